@@ -1,0 +1,41 @@
+# Warnings and sanitizers for every target of this project.
+add_library(cpplus_build_flags INTERFACE)
+target_compile_options(cpplus_build_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
+                       $<$<BOOL:${CPPLUS_WERROR}>:-Werror>)
+if(CPPLUS_SANITIZE)
+  target_compile_options(cpplus_build_flags INTERFACE -fsanitize=${CPPLUS_SANITIZE} -fno-omit-frame-pointer -g)
+  target_link_options(cpplus_build_flags INTERFACE -fsanitize=${CPPLUS_SANITIZE})
+endif()
+
+# cpplus_module(NAME [DEPENDS module...] [LIBRARIES target...])
+#
+# One folder = one static library cpplus_NAME from its *.cpp, and one test program cpplus_NAME_test from
+# its *_test.cpp. DEPENDS are the modules below it (public); LIBRARIES are third-party targets that only
+# the .cpp files may include (private). Tests whose suite name starts with "Slow" carry the label slow.
+function(cpplus_module name)
+  cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES;TEST_LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(tests ${sources})
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+
+  add_library(cpplus_${name} STATIC ${sources})
+  set_target_properties(cpplus_${name} PROPERTIES LINKER_LANGUAGE CXX)
+  target_include_directories(cpplus_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
+  target_link_libraries(cpplus_${name} PUBLIC Eigen3::Eigen PRIVATE cpplus_build_flags)
+  foreach(dependency ${arg_DEPENDS})
+    target_link_libraries(cpplus_${name} PUBLIC cpplus_${dependency})
+  endforeach()
+  target_link_libraries(cpplus_${name} PRIVATE ${arg_LIBRARIES})
+
+  if(CPPLUS_BUILD_TESTS AND tests)
+    add_executable(cpplus_${name}_test ${tests})
+    target_link_libraries(cpplus_${name}_test PRIVATE cpplus_${name} cpplus_build_flags GTest::gmock_main
+                          ${arg_LIBRARIES} ${arg_TEST_LIBRARIES})
+    target_compile_definitions(cpplus_${name}_test PRIVATE CPPLUS_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data")
+    gtest_discover_tests(cpplus_${name}_test TEST_PREFIX "${name}/" TEST_FILTER "-Slow*"
+                         PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
+    gtest_discover_tests(cpplus_${name}_test TEST_PREFIX "${name}/" TEST_FILTER "Slow*"
+                         TEST_LIST cpplus_${name}_slow_tests PROPERTIES LABELS slow DISCOVERY_TIMEOUT 60)
+  endif()
+endfunction()

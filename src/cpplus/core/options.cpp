@@ -1,0 +1,13 @@
+#include "cpplus/core/options.h"
+
+#include <fmt/format.h>
+
+#include "cpplus/core/error.h"
+
+namespace cpplus {
+
+void check_option(bool ok, const char* name, const char* range, double value) {
+  if (!ok) throw UsageError(fmt::format("option {} must be in {}, got {}", name, range, value));
+}
+
+}  // namespace cpplus

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace cpplus {
+
+/// Sets how many threads parallel_for may use from now on; 0 means all cores.
+void set_num_threads(int num_threads);
+int num_threads();
+
+/// Calls body(begin, end) for consecutive chunks of [0, size) of at most `grain` elements. The chunk borders depend
+/// only on size and grain, never on the number of threads: a result kept per chunk and combined in chunk order is
+/// the same for any number of threads. An exception from a body is rethrown here.
+void parallel_for_chunks(size_t size, size_t grain, const std::function<void(size_t begin, size_t end)>& body);
+
+/// Calls body(i) for each i in [0, size), one task an index: for few, heavy items.
+void parallel_for_each(size_t size, const std::function<void(size_t i)>& body);
+
+}  // namespace cpplus

@@ -1,0 +1,1 @@
+#include "cpplus/geometry/camera.h"

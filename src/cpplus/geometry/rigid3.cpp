@@ -1,0 +1,56 @@
+#include "cpplus/geometry/rigid3.h"
+
+#include <cmath>
+
+namespace cpplus {
+
+Rigid3 inverse(const Rigid3& b_from_a) {
+  const Eigen::Quaterniond a_from_b = b_from_a.rotation.conjugate();
+  return {a_from_b, -(a_from_b * b_from_a.translation)};
+}
+
+Rigid3 operator*(const Rigid3& c_from_b, const Rigid3& b_from_a) {
+  return {c_from_b.rotation * b_from_a.rotation, c_from_b.rotation * b_from_a.translation + c_from_b.translation};
+}
+
+Eigen::Matrix3d so3_exp(const Eigen::Vector3d& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  if (angle < 1e-12) {
+    Eigen::Matrix3d small;
+    small << 1, -rotation_vector.z(), rotation_vector.y(), rotation_vector.z(), 1, -rotation_vector.x(),
+        -rotation_vector.y(), rotation_vector.x(), 1;
+    return small;
+  }
+  return Eigen::AngleAxisd(angle, rotation_vector / angle).toRotationMatrix();
+}
+
+Eigen::Vector3d so3_log(const Eigen::Quaterniond& rotation) {
+  // atan2 of the quaternion's parts keeps full precision for small angles, where acos(w) does not.
+  const double sign = rotation.w() < 0 ? -1.0 : 1.0;
+  const Eigen::Vector3d vec = sign * rotation.vec();
+  const double sin_half = vec.norm();
+  if (sin_half < 1e-12) return 2.0 * vec;
+  return vec * (2.0 * std::atan2(sin_half, sign * rotation.w()) / sin_half);
+}
+
+Rigid3 perturb_camera(const Rigid3& camera_from_map, const Vector6d& delta) {
+  const Rigid3 camera_from_perturbed{Eigen::Quaterniond(so3_exp(delta.head<3>())), delta.tail<3>()};
+  return inverse(camera_from_perturbed) * camera_from_map;
+}
+
+Vector6d camera_difference(const Rigid3& from_camera_from_map, const Rigid3& to_camera_from_map) {
+  const Rigid3 from_from_to = from_camera_from_map * inverse(to_camera_from_map);
+  Vector6d delta;
+  delta << so3_log(from_from_to.rotation), from_from_to.translation;
+  return delta;
+}
+
+double rotation_angle_between(const Rigid3& x, const Rigid3& y) {
+  return so3_log(x.rotation.conjugate() * y.rotation).norm();
+}
+
+Eigen::Vector3d camera_center(const Rigid3& camera_from_map) {
+  return -(camera_from_map.rotation.conjugate() * camera_from_map.translation);
+}
+
+}  // namespace cpplus
