@@ -26,9 +26,13 @@ std::string camera_model_name(CameraModel model);
 std::optional<CameraModel> camera_model_from_colmap_id(int id);
 int camera_model_colmap_id(CameraModel model);
 size_t camera_model_num_params(CameraModel model);
+/// Index of cx in the parameters (cy follows): what a change of the pixel convention shifts. Nothing for
+/// EQUIRECTANGULAR.
+std::optional<size_t> camera_model_principal_point_index(CameraModel model);
 
 /// An intrinsically calibrated camera. Pixels: the centre of the top-left pixel is (0, 0); a principal point in
-/// `params` is in the same convention (COLMAP files have it 0.5 larger; io/ converts).
+/// `params` is in the same convention (COLMAP files have it 0.5 larger; io/ converts). Each model's equations and range
+/// of validity stand in its header in camera_models/.
 class Camera {
  public:
   Camera() = default;
@@ -44,7 +48,8 @@ class Camera {
   /// Nothing where the model does not hold: behind the camera, or beyond the monotonic range of the distortion.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& x_in_camera) const;
 
-  /// The same, with the 2x3 Jacobian d pixel / d x_in_camera (pixel/m). Returns false where project() gives nothing.
+  /// The same, with the 2x3 Jacobian d pixel / d x_in_camera (pixel/m; may be null). False where project() gives
+  /// nothing.
   bool project(const Eigen::Vector3d& x_in_camera, Eigen::Vector2d* pixel,
                Eigen::Matrix<double, 2, 3>* d_pixel_d_point) const;
 
@@ -64,11 +69,13 @@ class Camera {
   double max_view_angle() const { return max_view_angle_; }
 
  private:
+  double border_view_angle() const;
+
   CameraModel model_ = CameraModel::kPinhole;
   int width_ = 0;
   int height_ = 0;
   std::vector<double> params_;
-  double max_radius_ = 0.0;      // monotonic range of the distortion, in the model's own radial variable
+  double max_radius_ = 0.0;  // end of the range of validity, in the model's own radial variable
   double max_view_angle_ = 0.0;
 };
 
