@@ -1,0 +1,10 @@
+#pragma once
+
+#include "command_line.h"
+
+namespace cpplus {
+
+// One function a command, each in its own cmd_NAME.cpp.
+void add_config_command(CommandLine* command_line);
+
+}  // namespace cpplus
