@@ -40,8 +40,9 @@ class Fields {
     const std::string_view text = next_word(&rest_);
     const std::optional<Number> value = parse(text);
     if (!value) {
-      throw Error(text.empty() ? fmt::format("{}: {} is missing", place(reader_), name)
-                               : fmt::format("{}: {} is not a valid number: {}", place(reader_), name, in_quotes(text)));
+      throw Error(text.empty()
+                      ? fmt::format("{}: {} is missing", place(reader_), name)
+                      : fmt::format("{}: {} is not a valid number: {}", place(reader_), name, in_quotes(text)));
     }
     return *value;
   }
@@ -94,12 +95,12 @@ void read_images(const std::string& path, SparseModelBuilder* builder) {
     if (reader.take_line(&line)) {
       Fields observations(reader, line);
       while (!observations.at_end()) {
-        const double x = observations.real("POINTS2D X");
-        const double y = observations.real("POINTS2D Y");
+        const double x = observations.real("X of POINTS2D (the second line of an image)");
+        const double y = observations.real("Y of POINTS2D (the second line of an image)");
         const std::string_view point = observations.word();
         if (!parse_int(point) && !parse_uint(point)) {
-          throw Error(fmt::format("{}: POINT3D_ID is not a valid number: {} (the second line of image {})",
-                                  place(reader), in_quotes(point), id));
+          throw Error(fmt::format("{}: POINT3D_ID (the second line of an image) is not a valid number: {}",
+                                  place(reader), in_quotes(point)));
         }
         pixels.emplace_back(x, y);
       }

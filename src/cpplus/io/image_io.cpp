@@ -1,7 +1,10 @@
 #include "cpplus/io/image_io.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
+#include <algorithm>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -23,7 +26,36 @@ std::vector<uint8_t> read_bytes(const std::string& path) {
   return {data, data + reader.file_size()};
 }
 
+uint32_t big_endian_number(const uint8_t* data) {
+  return static_cast<uint32_t>(data[0]) << 24 | static_cast<uint32_t>(data[1]) << 16 |
+         static_cast<uint32_t>(data[2]) << 8 | data[3];
+}
+
+/// A PNG is checked before libpng sees it, which writes to stderr: chunks (length, type, data, checksum) up to IEND.
+void check_png(const std::string& path, const std::vector<uint8_t>& bytes) {
+  constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  if (bytes.size() < sizeof(kSignature) || !std::equal(std::begin(kSignature), std::end(kSignature), bytes.begin())) {
+    return;
+  }
+  size_t offset = sizeof(kSignature);
+  constexpr size_t kFrame = 12;
+  while (true) {
+    const size_t left = bytes.size() - offset;
+    const size_t length = left >= kFrame ? big_endian_number(&bytes[offset]) : 0;
+    if (left < kFrame || left - kFrame < length) {
+      throw Error(fmt::format("{}: corrupt PNG: broken off at {} bytes", path, bytes.size()));
+    }
+    const uint8_t* type = &bytes[offset + 4];
+    if (crc32(0, type, static_cast<uInt>(length + 4)) != big_endian_number(type + 4 + length)) {
+      throw Error(fmt::format("{}: corrupt PNG: wrong checksum at offset {}", path, offset));
+    }
+    if (std::equal(type, type + 4, "IEND")) return;
+    offset += length + kFrame;
+  }
+}
+
 cv::Mat decode_with_opencv(const std::string& path, const std::vector<uint8_t>& bytes, int flags) {
+  check_png(path, bytes);
   cv::Mat decoded;
   try {
     if (!bytes.empty()) decoded = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);

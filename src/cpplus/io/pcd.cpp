@@ -111,8 +111,8 @@ void check_size(const BlockReader& reader, const PcdHeader& header) {
   // The last line of an ASCII file may lack its newline.
   const uint64_t available = reader.remaining() + (header.encoding == PcdHeader::Encoding::kAscii ? 1 : 0);
   if (smallest > 0 && header.num_points > available / smallest) {
-    throw Error(fmt::format("{}: truncated: POINTS {} of {} bytes do not fit into the {} bytes after the header",
-                            reader.path(), header.num_points, header.record_size, reader.remaining()));
+    throw Error(fmt::format("{}: truncated: POINTS {} do not fit into the {} bytes after the header", reader.path(),
+                            header.num_points, reader.remaining()));
   }
 }
 
