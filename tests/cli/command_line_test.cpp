@@ -69,7 +69,7 @@ TEST(Config, DumpReadsBackToItself) {
   const std::string directory = make_test_directory();
   const ProcessResult dump = run_cpplus({"config", "dump"});
   ASSERT_EQ(dump.exit_code, 0) << dump.err;
-  write_text_file(directory + "/all.yaml", dump.out);
+  write_file(directory + "/all.yaml", dump.out);
   const ProcessResult again = run_cpplus({"config", "dump", "--config", directory + "/all.yaml"});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(again.out, dump.out);
@@ -77,7 +77,7 @@ TEST(Config, DumpReadsBackToItself) {
 
 TEST(Config, FileSetsAndFlagWins) {
   const std::string file = make_test_directory() + "/threads.yaml";
-  write_text_file(file, "threads: 3\nquiet: true\n");
+  write_file(file, "threads: 3\nquiet: true\n");
   const ProcessResult from_file = run_cpplus({"config", "dump", "--config", file});
   EXPECT_THAT(from_file.out, HasSubstr("\nthreads: 3\n"));
   EXPECT_THAT(from_file.out, HasSubstr("\nquiet: true\n"));
@@ -89,7 +89,7 @@ TEST(Config, FileSetsAndFlagWins) {
 TEST(Config, UnknownKeyAndWrongTypeNameFileAndKey) {
   const std::string file = make_test_directory() + "/bad.yaml";
   const auto error_of = [&](const std::string& yaml) {
-    write_text_file(file, yaml);
+    write_file(file, yaml);
     const ProcessResult result = run_cpplus({"config", "dump", "--config", file});
     EXPECT_EQ(result.exit_code, 2) << yaml;
     EXPECT_EQ(result.out, "") << yaml;

@@ -47,8 +47,8 @@ ProcessResult run_cpplus(const std::vector<std::string>& arguments) {
   waitpid(child, &status, 0);
   ProcessResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result.out = read_text_file(out);
-  result.err = read_text_file(err);
+  result.out = read_file(out);
+  result.err = read_file(err);
   std::filesystem::remove(out);
   std::filesystem::remove(err);
   return result;
@@ -61,13 +61,13 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-std::string read_text_file(const std::string& path) {
+std::string read_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + path);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-void write_text_file(const std::string& path, const std::string& text) {
+void write_file(const std::string& path, const std::string& text) {
   std::ofstream stream(path, std::ios::binary);
   if (!(stream << text)) throw std::runtime_error("cannot write " + path);
 }

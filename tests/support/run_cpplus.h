@@ -17,8 +17,8 @@ ProcessResult run_cpplus(const std::vector<std::string>& arguments);
 /// The lines of a text, without their ends.
 std::vector<std::string> lines_of(const std::string& text);
 
-std::string read_text_file(const std::string& path);
-void write_text_file(const std::string& path, const std::string& text);
+std::string read_file(const std::string& path);
+void write_file(const std::string& path, const std::string& text);
 
 /// An empty folder of its own for the running test, below the test's temporary folder.
 std::string make_test_directory();
