@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cpplus/cloud/voxel_map.h"
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/rigid3.h"
+#include "cpplus/visibility/depth_buffer.h"
+
+namespace cpplus {
+
+struct VisibilityOptions {
+  /// Roots farther than this from the camera are not looked at, metres. (0, inf)
+  double max_distance_m = 20.0;
+  /// Widening of the field of view beyond each border of the image, for the error of a coarse pose, degrees. [0, 90]
+  double fov_widening_deg = 1.0;
+  /// How far a leaf's mean may lie behind the surface in the depth buffer, metres. [0, inf)
+  double depth_tolerance_m = 0.1;
+  /// Edge of a cell of the depth buffer, in widths of a leaf seen at max_distance_m. (0, inf)
+  double cell_leaves = 1.0;
+  /// Half edge of the square a leaf covers in the depth buffer, in widths of a leaf. (0, inf)
+  double splat_radius_leaves = 0.6;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("max_distance_m", max_distance_m, "Roots farther than this from the camera are not looked at, metres.");
+    visitor("fov_widening_deg", fov_widening_deg, "Widening of the field of view beyond each border, degrees.");
+    visitor("depth_tolerance_m", depth_tolerance_m, "How far a leaf may lie behind the surface drawn, metres.");
+    visitor("cell_leaves", cell_leaves, "Edge of a cell of the depth buffer, in widths of a leaf at max_distance_m.");
+    visitor("splat_radius_leaves", splat_radius_leaves, "Half edge of the square a leaf covers, in widths of a leaf.");
+  }
+};
+
+struct VisibilityResult {
+  std::vector<uint32_t> leaves;  // visible leaves of the map, ascending
+  size_t num_roots = 0;          // selected by distance and field of view
+  size_t num_candidates = 0;     // leaves of those roots within the distance and the widened field of view
+};
+
+/// The leaves of the map that a camera sees ("region of interest", Cui & Schwertfeger 2022, section III-B). A leaf
+/// stands for the mean of its points.
+VisibilityResult find_visible_leaves(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
+                                     const VisibilityOptions& options);
+
+}  // namespace cpplus
