@@ -32,6 +32,7 @@ THIRD_PARTY = {
     "Qhull": (r"(libqhull|qhull)", {"visibility"}),
     "OpenCV": (r"opencv2/", {"io", "features", "colorize", "simulate", "report", "pipeline", "tests", "bench"}),
     "Embree": (r"embree", {"simulate"}),
+    "JPEG": (r"(jpeglib|jerror)\.h", {"io"}),
     "zlib": (r"zlib\.h", {"io"}),
     "JSON": (r"nlohmann/", {"io", "report", "pipeline", "tests", "bench"}),
     "YAML": (r"yaml-cpp/", {"io", "apps", "tests"}),
@@ -65,7 +66,7 @@ def check_system_include(folder, is_header, is_test, included):
     """Returns what is wrong with including the header in angle brackets, or None."""
     if EIGEN.match(included) or STANDARD.fullmatch(included):
         return None
-    is_public_header = is_header and folder in MAY_INCLUDE
+    is_public_header = is_header and folder in MAY_INCLUDE and not is_test
     if is_public_header:
         return "public headers include only the standard library and Eigen"
     if POSIX.fullmatch(included):
@@ -80,7 +81,7 @@ def check_system_include(folder, is_header, is_test, included):
 def check_file(path, folder):
     """Yields (line number, problem) for each bad include of the file."""
     is_header = path.suffix == ".h"
-    is_test = path.stem.endswith("_test")
+    is_test = path.stem.endswith("_test") or path.stem.startswith("test_")  # a test, or a header that tests share
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
         match = INCLUDE.match(line)
         if not match:

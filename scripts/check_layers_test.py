@@ -22,6 +22,7 @@ class CheckLayers(unittest.TestCase):
             ("src/cpplus/refine/a.h", '#include <Eigen/Core>\n#include <cstdint>\n#include "cpplus/cloud/voxel_map.h"\n'),
             ("src/cpplus/pipeline/a.cpp", '#include "cpplus/refine/a.h"\n#include "cpplus/io/b.h"\n'),
             ("src/cpplus/visibility/a_test.cpp", '#include <gtest/gtest.h>\n#include "cpplus/io/b.h"\n'),
+            ("src/cpplus/io/test_files.h", "#include <gtest/gtest.h>\n#include <unistd.h>\n"),
             ("apps/main.cpp", '#include <CLI/CLI.hpp>\n#include "cmd_refine.h"\n#include "cpplus/pipeline/run.h"\n'),
         ]
         for name, source in good:

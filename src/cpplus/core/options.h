@@ -17,4 +17,7 @@ namespace cpplus {
 /// Throws Error "NAME must be in RANGE, got VALUE" unless ok.
 void check_option(bool ok, const char* name, const char* range, double value);
 
+/// Throws UsageError "option NAME is required" if the value is empty.
+void require_option(const char* name, const std::string& value);
+
 }  // namespace cpplus

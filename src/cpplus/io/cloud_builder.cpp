@@ -1,0 +1,145 @@
+#include "cpplus/io/cloud_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cpplus/core/error.h"
+
+namespace cpplus {
+namespace {
+
+constexpr double kLocalCoordinate = 1000.0;  // metres
+
+template <typename T>
+T clamped(double value) {
+  if (std::isnan(value)) return 0;
+  return static_cast<T>(std::clamp(value, 0.0, static_cast<double>(std::numeric_limits<T>::max())));
+}
+
+/// Half the distance from |value| to the next float32.
+double float_rounding(float value) {
+  const float magnitude = std::abs(value);
+  return 0.5 * (std::nextafter(magnitude, std::numeric_limits<float>::infinity()) - magnitude);
+}
+
+template <typename T>
+void keep(std::vector<T>* values, size_t to, size_t from) {
+  if (!values->empty()) (*values)[to] = (*values)[from];
+}
+
+}  // namespace
+
+CloudBuilder::CloudBuilder(const std::string& path, size_t num_points, const std::vector<PointField>& fields)
+    : path_(path) {
+  const auto has = [&](PointRole role) {
+    const auto count =
+        std::count_if(fields.begin(), fields.end(), [&](const auto& field) { return field.role == role; });
+    return count > 0;
+  };
+  if (!has(PointRole::kX) || !has(PointRole::kY) || !has(PointRole::kZ)) {
+    std::string names;
+    for (const PointField& field : fields) names += " " + field.name;
+    throw Error(fmt::format("{}: has no x, y and z: its fields are{}", path, names));
+  }
+  cloud_.positions.resize(num_points);
+  if (has(PointRole::kIntensity)) cloud_.intensities.resize(num_points);
+  if (has(PointRole::kPackedRgb) || has(PointRole::kRed)) cloud_.colors.resize(num_points);
+  if (has(PointRole::kStamp)) cloud_.stamps_s.resize(num_points);
+  if (has(PointRole::kNumViews)) cloud_.num_views.resize(num_points);
+  rounds_ = std::any_of(fields.begin(), fields.end(), [](const PointField& field) {
+    return field.role >= PointRole::kX && field.role <= PointRole::kZ && field.type != ScalarType::kFloat32;
+  });
+}
+
+void CloudBuilder::set_coordinate(size_t point, int axis, double value) {
+  if (!origin_known_[axis] && std::isfinite(value)) {
+    origin_known_[axis] = true;
+    cloud_.origin[axis] = std::abs(value) < kLocalCoordinate ? 0.0 : std::round(value);
+  }
+  cloud_.positions[point][axis] = static_cast<float>(value - cloud_.origin[axis]);
+}
+
+void CloudBuilder::set(size_t point, PointRole role, double value) {
+  switch (role) {
+    case PointRole::kNone:
+      return;
+    case PointRole::kX:
+      return set_coordinate(point, 0, value);
+    case PointRole::kY:
+      return set_coordinate(point, 1, value);
+    case PointRole::kZ:
+      return set_coordinate(point, 2, value);
+    case PointRole::kIntensity:
+      cloud_.intensities[point] = static_cast<float>(value);
+      return;
+    case PointRole::kStamp:
+      cloud_.stamps_s[point] = value;
+      return;
+    case PointRole::kRed:
+      cloud_.colors[point][0] = clamped<uint8_t>(value);
+      return;
+    case PointRole::kGreen:
+      cloud_.colors[point][1] = clamped<uint8_t>(value);
+      return;
+    case PointRole::kBlue:
+      cloud_.colors[point][2] = clamped<uint8_t>(value);
+      return;
+    case PointRole::kPackedRgb:
+      return set_packed_rgb(point, clamped<uint32_t>(value));
+    case PointRole::kNumViews:
+      cloud_.num_views[point] = clamped<uint16_t>(value);
+      return;
+  }
+}
+
+void CloudBuilder::set_packed_rgb(size_t point, uint32_t rgb) {
+  cloud_.colors[point] = {static_cast<uint8_t>(rgb >> 16), static_cast<uint8_t>(rgb >> 8), static_cast<uint8_t>(rgb)};
+}
+
+void CloudBuilder::set_from_bytes(size_t point, const PointField& field, const uint8_t* data, bool big_endian) {
+  // A packed colour is four bytes, also where the file calls them a float.
+  const ScalarType type =
+      field.role == PointRole::kPackedRgb && scalar_size(field.type) == 4 ? ScalarType::kUint32 : field.type;
+  set(point, field.role, converted(field, load_scalar(data, type, big_endian)));
+}
+
+PointCloud CloudBuilder::finish(ReadCounts* counts) {
+  const size_t in_file = cloud_.size();
+  size_t kept = 0;
+  Eigen::Array3f farthest = Eigen::Array3f::Zero();
+  for (size_t i = 0; i < in_file; ++i) {
+    const Eigen::Vector3f& position = cloud_.positions[i];
+    if (!position.allFinite()) continue;
+    farthest = farthest.max(position.array().abs());
+    if (kept != i) {
+      keep(&cloud_.positions, kept, i);
+      keep(&cloud_.intensities, kept, i);
+      keep(&cloud_.colors, kept, i);
+      keep(&cloud_.stamps_s, kept, i);
+      keep(&cloud_.num_views, kept, i);
+    }
+    ++kept;
+  }
+  if (kept == 0) {
+    throw Error(in_file == 0 ? fmt::format("{}: holds no points", path_)
+                             : fmt::format("{}: none of its {} points is finite", path_, in_file));
+  }
+  const auto shorten = [&](auto* values) {
+    if (!values->empty()) values->resize(kept);
+  };
+  shorten(&cloud_.positions);
+  shorten(&cloud_.intensities);
+  shorten(&cloud_.colors);
+  shorten(&cloud_.stamps_s);
+  shorten(&cloud_.num_views);
+  if (counts != nullptr) {
+    *counts = {in_file, in_file - kept,
+               rounds_ || !cloud_.origin.isZero(0.0) ? float_rounding(farthest.maxCoeff()) : 0.0};
+  }
+  return std::move(cloud_);
+}
+
+}  // namespace cpplus

@@ -1,0 +1,289 @@
+#include "cpplus/io/pcd.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "cpplus/core/error.h"
+#include "cpplus/io/atomic_file.h"
+#include "cpplus/io/byte_writer.h"
+#include "cpplus/io/lzf.h"
+#include "cpplus/io/text_parse.h"
+
+namespace cpplus {
+namespace {
+
+/// The header's lines as they stand, before they are checked against each other.
+struct RawHeader {
+  std::vector<std::string> names, sizes, types, counts;
+  std::optional<uint64_t> width, height, points;
+  std::string data;
+};
+
+std::vector<std::string> to_strings(const std::vector<std::string_view>& words) {
+  return {words.begin() + 1, words.end()};
+}
+
+RawHeader read_raw_header(BlockReader* reader) {
+  RawHeader header;
+  std::string_view line;
+  std::vector<std::string_view> words;
+  constexpr uint64_t kMaxHeaderSize = uint64_t{1} << 20;
+  while (header.data.empty()) {
+    if (reader->position() > kMaxHeaderSize || !reader->take_line(&line)) {
+      throw Error(fmt::format("{}: not a PCD file: no DATA line in its header", reader->path()));
+    }
+    split_words(line, &words);
+    if (words.empty() || words[0].starts_with('#')) continue;
+    const auto number = [&]() {
+      const std::optional<uint64_t> value = words.size() == 2 ? parse_uint(words[1]) : std::nullopt;
+      if (!value) throw Error(fmt::format("{}: PCD header: bad line {}", reader->path(), in_quotes(line)));
+      return value;
+    };
+    const std::string key(words[0]);
+    if (key == "FIELDS" || key == "COLUMNS") {
+      header.names = to_strings(words);
+    } else if (key == "SIZE") {
+      header.sizes = to_strings(words);
+    } else if (key == "TYPE") {
+      header.types = to_strings(words);
+    } else if (key == "COUNT") {
+      header.counts = to_strings(words);
+    } else if (key == "WIDTH") {
+      header.width = number();
+    } else if (key == "HEIGHT") {
+      header.height = number();
+    } else if (key == "POINTS") {
+      header.points = number();
+    } else if (key == "DATA") {
+      header.data = words.size() == 2 ? std::string(words[1]) : "(none)";
+    } else if (key != "VERSION" && key != "VIEWPOINT") {
+      throw Error(fmt::format("{}: not a PCD file: unknown header line {}", reader->path(), in_quotes(line)));
+    }
+  }
+  return header;
+}
+
+ScalarType scalar_type(const std::string& path, const std::string& type, const std::string& size) {
+  const std::string key = type + size;
+  if (key == "F4") return ScalarType::kFloat32;
+  if (key == "F8") return ScalarType::kFloat64;
+  if (key == "I1") return ScalarType::kInt8;
+  if (key == "I2") return ScalarType::kInt16;
+  if (key == "I4") return ScalarType::kInt32;
+  if (key == "I8") return ScalarType::kInt64;
+  if (key == "U1") return ScalarType::kUint8;
+  if (key == "U2") return ScalarType::kUint16;
+  if (key == "U4") return ScalarType::kUint32;
+  if (key == "U8") return ScalarType::kUint64;
+  throw Error(
+      fmt::format("{}: PCD header: no such field type: TYPE {} with SIZE {}", path, in_quotes(type), in_quotes(size)));
+}
+
+size_t count_points(const std::string& path, const RawHeader& raw) {
+  if (!raw.points && !raw.width) throw Error(fmt::format("{}: PCD header: neither POINTS nor WIDTH", path));
+  const uint64_t width = raw.width.value_or(raw.points.value_or(0));
+  const uint64_t height = raw.height.value_or(1);
+  constexpr uint64_t kMaxSide = uint64_t{1} << 31;
+  if (width > kMaxSide || height > kMaxSide) {
+    throw Error(fmt::format("{}: PCD header: WIDTH {} x HEIGHT {} is not plausible", path, width, height));
+  }
+  if (raw.points && *raw.points != width * height) {
+    throw Error(fmt::format("{}: PCD header: POINTS {} is not WIDTH {} x HEIGHT {}", path, *raw.points, width, height));
+  }
+  return width * height;
+}
+
+/// A header must not make us reserve memory for points that the file cannot hold.
+void check_size(const BlockReader& reader, const PcdHeader& header) {
+  // An ASCII number takes a digit and a separator; the compressed size is checked by the decoder, which can expand
+  // three bytes to at most 264.
+  uint64_t smallest = header.record_size;
+  if (header.encoding == PcdHeader::Encoding::kAscii) {
+    smallest = 0;
+    for (const PointField& field : header.fields) smallest += 2 * field.count;
+  } else if (header.encoding == PcdHeader::Encoding::kBinaryCompressed) {
+    smallest = header.record_size / 88;
+  }
+  // The last line of an ASCII file may lack its newline.
+  const uint64_t available = reader.remaining() + (header.encoding == PcdHeader::Encoding::kAscii ? 1 : 0);
+  if (smallest > 0 && header.num_points > available / smallest) {
+    throw Error(fmt::format("{}: truncated: POINTS {} do not fit into the {} bytes after the header", reader.path(),
+                            header.num_points, reader.remaining()));
+  }
+}
+
+void read_ascii(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
+  size_t num_words = 0;
+  for (const PointField& field : header.fields) num_words += field.count;
+  std::string_view line;
+  std::vector<std::string_view> words;
+  size_t point = 0;
+  while (reader->take_line(&line)) {
+    split_words(line, &words);
+    if (words.empty() || words[0].starts_with('#')) continue;
+    if (words.size() != num_words || point == header.num_points) {
+      throw Error(point == header.num_points ? fmt::format("{}:{}: more points than POINTS {} says", reader->path(),
+                                                           reader->line_number(), point)
+                                             : fmt::format("{}:{}: {} numbers instead of {}", reader->path(),
+                                                           reader->line_number(), words.size(), num_words));
+    }
+    size_t word = 0;
+    for (const PointField& field : header.fields) {
+      const std::string_view text = words[word];
+      word += field.count;
+      if (field.role == PointRole::kNone) continue;
+      const std::optional<double> value = parse_double(text);
+      if (!value) {
+        throw Error(fmt::format("{}:{}: {} is not a number: {}", reader->path(), reader->line_number(), field.name,
+                                in_quotes(text)));
+      }
+      // Older writers print a packed colour as the float that its bits make; plain digits are the integer itself.
+      if (field.role == PointRole::kPackedRgb && text.find_first_of(".eEn") != std::string_view::npos) {
+        builder->set_packed_rgb(point, std::bit_cast<uint32_t>(static_cast<float>(*value)));
+      } else {
+        builder->set(point, field.role, converted(field, *value));
+      }
+    }
+    ++point;
+  }
+  if (point < header.num_points) {
+    throw Error(fmt::format("{}: truncated: {} points instead of POINTS {}", reader->path(), point, header.num_points));
+  }
+}
+
+void read_binary(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
+  for (size_t point = 0; point < header.num_points; ++point) {
+    const uint8_t* record = reader->take(header.record_size);
+    for (const PointField& field : header.fields) {
+      if (field.role != PointRole::kNone) builder->set_from_bytes(point, field, record + field.offset, false);
+    }
+  }
+}
+
+/// The decoded data holds the fields one after the other, each for all points.
+void read_binary_compressed(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
+  const auto take_size = [&]() {
+    return static_cast<uint64_t>(load_scalar(reader->take(4), ScalarType::kUint32, false));
+  };
+  const uint64_t compressed_size = take_size();
+  const uint64_t decoded_size = take_size();
+  if (compressed_size > reader->remaining()) {
+    throw Error(fmt::format("{}: truncated: {} compressed bytes announced, {} left in the file", reader->path(),
+                            compressed_size, reader->remaining()));
+  }
+  if (decoded_size != header.num_points * header.record_size) {
+    throw Error(fmt::format("{}: decoded size {} is not POINTS {} of {} bytes", reader->path(), decoded_size,
+                            header.num_points, header.record_size));
+  }
+  LzfDecoder decoder(reader, compressed_size);
+  std::vector<uint8_t> value;
+  for (const PointField& field : header.fields) {
+    value.resize(field.count * scalar_size(field.type));
+    for (size_t point = 0; point < header.num_points; ++point) {
+      decoder.decode(value.data(), value.size());
+      if (field.role != PointRole::kNone) builder->set_from_bytes(point, field, value.data(), false);
+    }
+  }
+}
+
+}  // namespace
+
+PcdHeader read_pcd_header(BlockReader* reader) {
+  const RawHeader raw = read_raw_header(reader);
+  const std::string& path = reader->path();
+  const size_t num_fields = raw.names.size();
+  if (num_fields == 0) throw Error(fmt::format("{}: PCD header: no FIELDS", path));
+  if (raw.sizes.size() != num_fields || raw.types.size() != num_fields ||
+      (!raw.counts.empty() && raw.counts.size() != num_fields)) {
+    throw Error(fmt::format("{}: PCD header: {} FIELDS but {} SIZE, {} TYPE, {} COUNT", path, num_fields,
+                            raw.sizes.size(), raw.types.size(), raw.counts.size()));
+  }
+  PcdHeader header;
+  for (size_t i = 0; i < num_fields; ++i) {
+    PointField field{raw.names[i], scalar_type(path, raw.types[i], raw.sizes[i]), 1, header.record_size,
+                     PointRole::kNone};
+    if (!raw.counts.empty()) {
+      const std::optional<uint64_t> count = parse_uint(raw.counts[i]);
+      constexpr uint64_t kMaxCount = uint64_t{1} << 20;
+      if (!count || *count > kMaxCount) {
+        throw Error(fmt::format("{}: PCD header: bad COUNT {} of {}", path, in_quotes(raw.counts[i]), field.name));
+      }
+      field.count = *count;
+    }
+    header.record_size += field.count * scalar_size(field.type);
+    header.fields.push_back(field);
+  }
+  assign_roles(&header.fields);
+  header.num_points = count_points(path, raw);
+  if (raw.data == "ascii") {
+    header.encoding = PcdHeader::Encoding::kAscii;
+  } else if (raw.data == "binary") {
+    header.encoding = PcdHeader::Encoding::kBinary;
+  } else if (raw.data == "binary_compressed") {
+    header.encoding = PcdHeader::Encoding::kBinaryCompressed;
+  } else {
+    throw Error(fmt::format("{}: PCD header: unknown DATA {}", path, in_quotes(raw.data)));
+  }
+  check_size(*reader, header);
+  return header;
+}
+
+PointCloud read_pcd(const std::string& path, ReadCounts* counts) {
+  BlockReader reader(path);
+  const PcdHeader header = read_pcd_header(&reader);
+  CloudBuilder builder(path, header.num_points, header.fields);
+  switch (header.encoding) {
+    case PcdHeader::Encoding::kAscii:
+      read_ascii(header, &reader, &builder);
+      break;
+    case PcdHeader::Encoding::kBinary:
+      read_binary(header, &reader, &builder);
+      break;
+    case PcdHeader::Encoding::kBinaryCompressed:
+      read_binary_compressed(header, &reader, &builder);
+      break;
+  }
+  return builder.finish(counts);
+}
+
+void write_pcd(const std::string& path, const PointCloud& cloud) {
+  const bool local = cloud.origin.isZero(0.0);
+  std::string fields = "FIELDS x y z", sizes = local ? "SIZE 4 4 4" : "SIZE 8 8 8", types = "TYPE F F F",
+              counts = "COUNT 1 1 1";
+  const auto add = [&](const char* name, char type, int size) {
+    fields += fmt::format(" {}", name);
+    sizes += fmt::format(" {}", size);
+    types += fmt::format(" {}", type);
+    counts += " 1";
+  };
+  if (!cloud.intensities.empty()) add("intensity", 'F', 4);
+  if (!cloud.colors.empty()) add("rgb", 'F', 4);
+  if (!cloud.stamps_s.empty()) add("timestamp", 'F', 8);
+  if (!cloud.num_views.empty()) add("num_views", 'U', 2);
+
+  AtomicFile file(path);
+  file.stream() << fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      fields, sizes, types, counts, cloud.size(), cloud.size());
+  ByteWriter writer(&file.stream());
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d point = cloud.point(i);
+    for (int axis = 0; axis < 3; ++axis) local ? writer.put(cloud.positions[i][axis]) : writer.put(point[axis]);
+    if (!cloud.intensities.empty()) writer.put(cloud.intensities[i]);
+    if (!cloud.colors.empty()) {
+      const Rgb& color = cloud.colors[i];
+      writer.put(static_cast<uint32_t>(color[0]) << 16 | static_cast<uint32_t>(color[1]) << 8 | color[2]);
+    }
+    if (!cloud.stamps_s.empty()) writer.put(cloud.stamps_s[i]);
+    if (!cloud.num_views.empty()) writer.put(cloud.num_views[i]);
+  }
+  writer.flush();
+  file.commit();
+}
+
+}  // namespace cpplus

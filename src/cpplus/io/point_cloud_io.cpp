@@ -1,0 +1,50 @@
+#include "cpplus/io/point_cloud_io.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "cpplus/core/error.h"
+#include "cpplus/io/pcd.h"
+#include "cpplus/io/text_parse.h"
+
+namespace cpplus {
+namespace {
+
+[[noreturn]] void throw_unknown_extension(const std::string& path) {
+  throw Error(fmt::format("{}: unknown point cloud extension {}: known are .pcd, .ply and .las", path,
+                          in_quotes(std::filesystem::path(path).extension().string())));
+}
+
+void check_lengths(const std::string& path, const PointCloud& cloud) {
+  const auto check = [&](const char* name, size_t size) {
+    if (size == 0 || size == cloud.size()) return;
+    throw Error(fmt::format("{}: cannot write: {} {} for {} points", path, size, name, cloud.size()));
+  };
+  check("intensities", cloud.intensities.size());
+  check("colors", cloud.colors.size());
+  check("stamps", cloud.stamps_s.size());
+  check("view counts", cloud.num_views.size());
+}
+
+}  // namespace
+
+std::string point_cloud_extension(const std::string& path) {
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  return extension == ".pcd" || extension == ".ply" || extension == ".las" ? extension : "";
+}
+
+PointCloud read_point_cloud(const std::string& path, ReadCounts* counts) {
+  const std::string extension = point_cloud_extension(path);
+  if (extension == ".pcd") return read_pcd(path, counts);
+  throw_unknown_extension(path);
+}
+
+void write_point_cloud(const std::string& path, const PointCloud& cloud) {
+  check_lengths(path, cloud);
+  const std::string extension = point_cloud_extension(path);
+  if (extension == ".pcd") return write_pcd(path, cloud);
+  throw_unknown_extension(path);
+}
+
+}  // namespace cpplus

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cpplus/geometry/sparse_model.h"
+
+namespace cpplus {
+
+/// How a folder of images and a model fit together.
+struct ImageFolder {
+  std::vector<size_t> with_file;          // indices into model.images whose file exists, in the model's order
+  std::vector<size_t> missing;            // indices of the others
+  std::vector<std::string> without_pose;  // image files in the folder that the model does not name, sorted
+};
+
+/// Looks for the images of the model below the folder (names may hold sub-folders). Throws Error when `directory` is
+/// not a folder, or holds none of the model's images.
+ImageFolder find_images(const std::string& directory, const SparseModel& model);
+
+/// "DIR/NAME".
+std::string image_path(const std::string& directory, const std::string& name);
+
+/// Warns about images without a pose and poses without an image, one line each kind with the first name.
+void warn_of_unmatched(const std::string& directory, const SparseModel& model, const ImageFolder& folder);
+
+}  // namespace cpplus

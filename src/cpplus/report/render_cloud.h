@@ -1,0 +1,19 @@
+#pragma once
+
+#include "cpplus/cloud/point_cloud.h"
+#include "cpplus/core/image.h"
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/rigid3.h"
+
+namespace cpplus {
+
+/// A picture of the coloured cloud as the camera sees it: each point is a square of point_size_m at its distance
+/// (between 1 and 15 pixels), nearer ones cover farther ones. Pixels that no point covers are dark blue. The cloud must
+/// have colours; points that no image gave a colour to (num_views 0) are drawn as they are. Linear in the points.
+ColorImage render_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
+                        double point_size_m);
+
+/// Two pictures of the same height, one beside the other.
+ColorImage side_by_side(const ColorImage& left, const ColorImage& right);
+
+}  // namespace cpplus

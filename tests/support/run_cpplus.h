@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cpplus {
+
+struct ProcessResult {
+  int exit_code = -1;  // 128 + signal where one ended the process
+  std::string out;
+  std::string err;
+};
+
+/// Runs the built program with these arguments, without a shell and without a terminal.
+ProcessResult run_cpplus(const std::vector<std::string>& arguments);
+
+/// The lines of a text, without their ends.
+std::vector<std::string> lines_of(const std::string& text);
+
+std::string read_file(const std::string& path);
+void write_file(const std::string& path, const std::string& text);
+
+/// An empty folder of its own for the running test, below the test's temporary folder.
+std::string make_test_directory();
+
+}  // namespace cpplus
