@@ -5,6 +5,7 @@
 namespace cpplus {
 
 // One function a command, each in its own cmd_NAME.cpp.
+void add_info_command(CommandLine* command_line);
 void add_config_command(CommandLine* command_line);
 
 }  // namespace cpplus

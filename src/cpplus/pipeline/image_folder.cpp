@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <set>
 
@@ -13,28 +14,24 @@ namespace cpplus {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-bool has_image_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
+bool has_image_extension(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const std::set<std::string> known = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"};
   return known.count(extension) > 0;
 }
 
-std::vector<std::string> image_names_in(const fs::path& directory) {
+std::vector<std::string> list_images(const std::string& directory) {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(directory)) {
-    if (entry.is_regular_file() && has_image_extension(entry.path())) {
+    if (entry.is_regular_file() && has_image_extension(entry.path().string())) {
       names.push_back(fs::relative(entry.path(), directory).generic_string());
     }
   }
   std::sort(names.begin(), names.end());
   return names;
 }
-
-}  // namespace
 
 std::string image_path(const std::string& directory, const std::string& name) {
   return (fs::path(directory) / name).string();
@@ -49,7 +46,7 @@ ImageFolder find_images(const std::string& directory, const SparseModel& model) 
     named.insert(fs::path(name).lexically_normal().generic_string());
     (fs::is_regular_file(image_path(directory, name)) ? folder.with_file : folder.missing).push_back(i);
   }
-  for (const std::string& name : image_names_in(directory)) {
+  for (const std::string& name : list_images(directory)) {
     if (named.count(name) == 0) folder.without_pose.push_back(name);
   }
   if (folder.with_file.empty()) {

@@ -18,6 +18,12 @@ struct ImageFolder {
 /// not a folder, or holds none of the model's images.
 ImageFolder find_images(const std::string& directory, const SparseModel& model);
 
+/// Whether the name ends as image files do (.jpg .png ..., any case).
+bool has_image_extension(const std::string& path);
+
+/// The image files below a folder, relative to it, sorted.
+std::vector<std::string> list_images(const std::string& directory);
+
 /// "DIR/NAME".
 std::string image_path(const std::string& directory, const std::string& name);
 
