@@ -5,7 +5,9 @@
 #include <filesystem>
 
 #include "cpplus/core/error.h"
+#include "cpplus/io/las.h"
 #include "cpplus/io/pcd.h"
+#include "cpplus/io/ply.h"
 #include "cpplus/io/text_parse.h"
 
 namespace cpplus {
@@ -37,6 +39,8 @@ std::string point_cloud_extension(const std::string& path) {
 PointCloud read_point_cloud(const std::string& path, ReadCounts* counts) {
   const std::string extension = point_cloud_extension(path);
   if (extension == ".pcd") return read_pcd(path, counts);
+  if (extension == ".ply") return read_ply(path, counts);
+  if (extension == ".las") return read_las(path, counts);
   throw_unknown_extension(path);
 }
 
@@ -44,6 +48,8 @@ void write_point_cloud(const std::string& path, const PointCloud& cloud) {
   check_lengths(path, cloud);
   const std::string extension = point_cloud_extension(path);
   if (extension == ".pcd") return write_pcd(path, cloud);
+  if (extension == ".ply") return write_ply(path, cloud);
+  if (extension == ".las") return write_las(path, cloud);
   throw_unknown_extension(path);
 }
 

@@ -1,0 +1,248 @@
+#include "cpplus/io/las.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "cpplus/core/error.h"
+#include "cpplus/io/atomic_file.h"
+#include "cpplus/io/byte_writer.h"
+#include "cpplus/io/las_header.h"
+
+namespace cpplus {
+namespace {
+
+constexpr double kDefaultScale = 1e-4;  // metres; reaches 214 km around the offset
+constexpr size_t kHeaderSize = 375;     // LAS 1.4
+constexpr size_t kRecordHeaderSize = 54;
+constexpr size_t kExtraBytesEntrySize = 192;
+
+/// Colours of 16 bits become 8 bits by their high byte. Many writers store 8 bits all the same, which only shows when
+/// all points have been seen: low bytes are kept until the first larger value, then all before it were (nearly) black.
+class ColorScale {
+ public:
+  explicit ColorScale(std::vector<Rgb>* colors) : colors_(colors) {}
+
+  void set(size_t point, const uint8_t* data) {
+    uint16_t channels[3];
+    std::memcpy(channels, data, sizeof(channels));
+    constexpr uint16_t kByte = 255;
+    if (!sixteen_bits_ && *std::max_element(channels, channels + 3) > kByte) {
+      sixteen_bits_ = true;
+      std::fill(colors_->begin(), colors_->begin() + static_cast<std::ptrdiff_t>(point), Rgb{});
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      (*colors_)[point][i] = static_cast<uint8_t>(sixteen_bits_ ? channels[i] >> 8 : channels[i]);
+    }
+  }
+
+ private:
+  std::vector<Rgb>* colors_;
+  bool sixteen_bits_ = false;
+};
+
+/// The grid of the output and the cloud's extent on it.
+struct Grid {
+  LasFrame frame;
+  Eigen::Vector3d min = Eigen::Vector3d::Zero();  // metres, on the grid
+  Eigen::Vector3d max = Eigen::Vector3d::Zero();
+
+  double steps(const PointCloud& cloud, const Eigen::Vector3f& position, int axis) const {
+    return std::round((cloud.origin[axis] - frame.offset[axis] + static_cast<double>(position[axis])) /
+                      frame.scale[axis]);
+  }
+};
+
+bool fits(const PointCloud& cloud, const Eigen::Vector3f& lowest, const Eigen::Vector3f& highest, const Grid& grid) {
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr double kLimit = std::numeric_limits<int32_t>::max();
+    if (!(grid.steps(cloud, lowest, axis) >= -kLimit && grid.steps(cloud, highest, axis) <= kLimit)) return false;
+  }
+  return true;
+}
+
+Grid choose_grid(const std::string& path, const PointCloud& cloud) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Eigen::Vector3f lowest = Eigen::Vector3f::Constant(kInfinity);
+  Eigen::Vector3f highest = -lowest;
+  for (const Eigen::Vector3f& position : cloud.positions) {
+    if (!position.allFinite()) throw Error(fmt::format("{}: cannot write a point that is not finite to LAS", path));
+    lowest = lowest.cwiseMin(position);
+    highest = highest.cwiseMax(position);
+  }
+  Grid grid;
+  if (cloud.las_frame) {
+    grid.frame = *cloud.las_frame;
+  } else {
+    grid.frame.scale.setConstant(kDefaultScale);
+    grid.frame.offset = cloud.origin;
+  }
+  if (cloud.empty()) return grid;
+  if (!fits(cloud, lowest, highest, grid)) {
+    grid.frame.offset = cloud.origin;
+    if (!fits(cloud, lowest, highest, grid)) {
+      throw Error(fmt::format("{}: an extent of {:.0f} m does not fit into LAS coordinates with a scale of {} m", path,
+                              (highest - lowest).maxCoeff(), grid.frame.scale.minCoeff()));
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    grid.min[axis] = grid.steps(cloud, lowest, axis) * grid.frame.scale[axis] + grid.frame.offset[axis];
+    grid.max[axis] = grid.steps(cloud, highest, axis) * grid.frame.scale[axis] + grid.frame.offset[axis];
+  }
+  return grid;
+}
+
+double intensity_factor(const std::vector<float>& intensities) {
+  bool any_fraction = false;
+  for (const float intensity : intensities) {
+    if (!(intensity >= 0.0f && intensity <= 1.0f)) return 1.0;
+    any_fraction = any_fraction || (intensity > 0.0f && intensity < 1.0f);
+  }
+  return any_fraction ? 65535.0 : 1.0;
+}
+
+uint16_t to_uint16(double value) {
+  return static_cast<uint16_t>(std::isnan(value) ? 0.0 : std::clamp(std::round(value), 0.0, 65535.0));
+}
+
+void put_text(ByteWriter* writer, const std::string& text, size_t size) {
+  std::string padded = text;
+  padded.resize(size, '\0');
+  writer->put_bytes(padded.data(), size);
+}
+
+void put_zeros(ByteWriter* writer, size_t size) {
+  for (size_t i = 0; i < size; ++i) writer->put<uint8_t>(0);
+}
+
+void put_record(ByteWriter* writer, const LasRecord& record) {
+  writer->put<uint16_t>(0);
+  put_text(writer, record.user_id, 16);
+  writer->put<uint16_t>(record.record_id);
+  writer->put<uint16_t>(static_cast<uint16_t>(record.content.size()));
+  put_text(writer, record.description, 32);
+  writer->put_bytes(reinterpret_cast<const char*>(record.content.data()), record.content.size());
+}
+
+/// The description of the one extra field.
+LasRecord num_views_record() {
+  LasRecord record;
+  record.user_id = "LASF_Spec";
+  record.record_id = 4;
+  record.description = "extra bytes";
+  record.content.resize(kExtraBytesEntrySize, 0);
+  record.content[2] = 3;  // unsigned short
+  const auto put = [&](size_t offset, const std::string& text) {
+    std::copy(text.begin(), text.end(), record.content.begin() + static_cast<std::ptrdiff_t>(offset));
+  };
+  put(4, "num_views");
+  put(160, "images that see the point");
+  return record;
+}
+
+void put_header(const PointCloud& cloud, const Grid& grid, int point_format, const std::vector<LasRecord>& records,
+                ByteWriter* writer) {
+  size_t points_offset = kHeaderSize;
+  for (const LasRecord& record : records) points_offset += kRecordHeaderSize + record.content.size();
+  const size_t record_size = las_record_size(point_format) + (cloud.num_views.empty() ? 0 : sizeof(uint16_t));
+  const uint64_t legacy_count = cloud.size() <= std::numeric_limits<uint32_t>::max() ? cloud.size() : 0;
+  writer->put_bytes("LASF", 4);
+  writer->put<uint16_t>(0);
+  writer->put<uint16_t>(grid.frame.global_encoding);
+  put_zeros(writer, 16);
+  writer->put<uint8_t>(1);
+  writer->put<uint8_t>(4);
+  put_text(writer, "EXTRACTION", 32);
+  put_text(writer, "CP+", 32);
+  put_zeros(writer, 4);
+  writer->put<uint16_t>(kHeaderSize);
+  writer->put<uint32_t>(static_cast<uint32_t>(points_offset));
+  writer->put<uint32_t>(static_cast<uint32_t>(records.size()));
+  writer->put<uint8_t>(static_cast<uint8_t>(point_format));
+  writer->put<uint16_t>(static_cast<uint16_t>(record_size));
+  writer->put<uint32_t>(static_cast<uint32_t>(legacy_count));
+  writer->put<uint32_t>(static_cast<uint32_t>(legacy_count));  // all are first returns
+  put_zeros(writer, 4 * sizeof(uint32_t));
+  for (const double value : grid.frame.scale) writer->put(value);
+  for (const double value : grid.frame.offset) writer->put(value);
+  for (int axis = 0; axis < 3; ++axis) {
+    writer->put(grid.max[axis]);
+    writer->put(grid.min[axis]);
+  }
+  put_zeros(writer, sizeof(uint64_t) + sizeof(uint64_t) + sizeof(uint32_t));  // no waveforms, no extended records
+  writer->put<uint64_t>(cloud.size());
+  writer->put<uint64_t>(cloud.size());
+  put_zeros(writer, 14 * sizeof(uint64_t));
+  for (const LasRecord& record : records) put_record(writer, record);
+}
+
+void put_point(const PointCloud& cloud, const Grid& grid, double intensity_scale, size_t i, ByteWriter* writer) {
+  for (int axis = 0; axis < 3; ++axis) {
+    writer->put(static_cast<int32_t>(grid.steps(cloud, cloud.positions[i], axis)));
+  }
+  writer->put<uint16_t>(cloud.intensities.empty() ? 0 : to_uint16(cloud.intensities[i] * intensity_scale));
+  constexpr uint8_t kFirstOfOneReturn = 1 | 1 << 3;
+  writer->put<uint8_t>(kFirstOfOneReturn);
+  put_zeros(writer, 5);  // class, scan angle, user data, source
+  if (!cloud.stamps_s.empty()) writer->put(cloud.stamps_s[i]);
+  if (!cloud.colors.empty()) {
+    constexpr uint16_t kToSixteenBits = 257;
+    for (const uint8_t channel : cloud.colors[i])
+      writer->put<uint16_t>(static_cast<uint16_t>(channel * kToSixteenBits));
+  }
+  if (!cloud.num_views.empty()) writer->put(cloud.num_views[i]);
+}
+
+}  // namespace
+
+PointCloud read_las(const std::string& path, ReadCounts* counts) {
+  BlockReader reader(path);
+  const LasHeader header = read_las_header(&reader);
+  CloudBuilder builder(path, header.num_points, header.fields);
+  ColorScale colors(&builder.cloud().colors);
+  for (size_t point = 0; point < header.num_points; ++point) {
+    const uint8_t* record = reader.take(header.record_size);
+    for (const PointField& field : header.fields) {
+      const double value = load_scalar(record + field.offset, field.type, false);
+      switch (field.role) {
+        case PointRole::kX:
+        case PointRole::kY:
+        case PointRole::kZ: {
+          const int axis = static_cast<int>(field.role) - static_cast<int>(PointRole::kX);
+          builder.set(point, field.role, value * header.frame.scale[axis] + header.frame.offset[axis]);
+          break;
+        }
+        case PointRole::kRed:
+          colors.set(point, record + field.offset);
+          break;
+        case PointRole::kGreen:
+        case PointRole::kBlue:
+          break;
+        default:
+          builder.set(point, field.role, value);
+      }
+    }
+  }
+  PointCloud cloud = builder.finish(counts);
+  cloud.las_frame = header.frame;
+  return cloud;
+}
+
+void write_las(const std::string& path, const PointCloud& cloud) {
+  const Grid grid = choose_grid(path, cloud);
+  const int point_format = (cloud.stamps_s.empty() ? 0 : 1) + (cloud.colors.empty() ? 0 : 2);
+  const double intensity_scale = intensity_factor(cloud.intensities);
+  std::vector<LasRecord> records = grid.frame.projection;
+  if (!cloud.num_views.empty()) records.push_back(num_views_record());
+  AtomicFile file(path);
+  ByteWriter writer(&file.stream());
+  put_header(cloud, grid, point_format, records, &writer);
+  for (size_t i = 0; i < cloud.size(); ++i) put_point(cloud, grid, intensity_scale, i, &writer);
+  writer.flush();
+  file.commit();
+}
+
+}  // namespace cpplus
