@@ -27,7 +27,7 @@ std::vector<Eigen::Vector3d> visible_points_from_ranges(const RangeGrid& grid, c
     for (int i = 0; i < grid.ranges.width; ++i) {
       const double range = grid.ranges.at(i, j);
       if (!std::isfinite(range) || range <= 0.0) continue;
-      const Eigen::Vector2d pixel(grid.first_pixel + i * grid.step_px, grid.first_pixel + j * grid.step_px);
+      const Eigen::Vector2d pixel = grid.first_pixel + grid.step_px * Eigen::Vector2d(i, j);
       if (const auto bearing = camera.unproject(pixel)) points_in_map.push_back(map_from_camera * (range * *bearing));
     }
   }

@@ -11,11 +11,11 @@
 namespace cpplus {
 
 /// Distances along the viewing rays, known on a regular grid of pixels of the recorded (distorted) image.
-/// Element (i, j) belongs to pixel (first_pixel + i * step_px, first_pixel + j * step_px).
+/// Column i, row j belong to pixel first_pixel + step_px * (i, j).
 struct RangeGrid {
-  RangeImage ranges;         // metres; 0 or not finite = nothing there
-  double step_px = 1.0;      // (0, inf)
-  double first_pixel = 0.0;  // centre of the top-left pixel = 0
+  RangeImage ranges;                                      // metres; 0 or not finite = nothing there
+  double step_px = 1.0;                                   // (0, inf)
+  Eigen::Vector2d first_pixel = Eigen::Vector2d::Zero();  // centre of the top-left pixel = (0, 0)
 };
 
 /// The surface points that a range grid shows, map frame, metres, in row-major order of the grid. Elements without a

@@ -56,8 +56,9 @@ TEST(ReprojectionShift, OfAPanoramaGoesAcrossTheSeam) {
 }
 
 TEST(VisiblePointsFromRanges, AreAtTheRangeAlongTheRayNotAtTheDepth) {
-  RangeGrid grid{RangeImage(2, 1), 375.0, 320.0};  // pixels (320, 320) and (695, 320): off the centre by 0 and 375
-  grid.ranges.at(0, 0) = 0.0f;                     // nothing there
+  RangeGrid grid{
+      RangeImage(2, 1), 375.0, {320.0, 320.0}};  // pixels (320, 320) and (695, 320): off the centre by 0 and 375
+  grid.ranges.at(0, 0) = 0.0f;                   // nothing there
   grid.ranges.at(1, 0) = 2.0f;
   const Camera camera(CameraModel::kPinhole, 1000, 640, {500.0, 500.0, 320.0, 320.0});
   const Rigid3 camera_from_map{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, -10)};  // centre at z = 10
@@ -68,7 +69,7 @@ TEST(VisiblePointsFromRanges, AreAtTheRangeAlongTheRayNotAtTheDepth) {
 }
 
 TEST(VisiblePointsFromRanges, ProjectBackToTheirPixels) {
-  RangeGrid grid{RangeImage(5, 4, 3.0f), 4.0, 1.5};
+  RangeGrid grid{RangeImage(5, 4, 3.0f), 4.0, {1.5, 1.5}};
   const Camera camera(CameraModel::kOpenCv, 20, 16, {15.0, 15.5, 9.8, 7.9, -0.1, 0.03, 0.001, -0.0005});
   const Rigid3 camera_from_map{Eigen::Quaterniond(0.9, 0.1, -0.3, 0.2), Eigen::Vector3d(1, -2, 3)};
   const auto points = visible_points_from_ranges(grid, camera, camera_from_map);
