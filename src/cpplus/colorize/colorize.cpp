@@ -1,0 +1,101 @@
+#include "cpplus/colorize/colorize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cpplus/colorize/color_samples.h"
+#include "cpplus/colorize/surface_normals.h"
+#include "cpplus/core/options.h"
+#include "cpplus/core/parallel.h"
+
+namespace cpplus {
+namespace {
+
+constexpr uint8_t kMidGray = 128;
+
+/// Offers a view to the points of one root. Samples are kept by map order, so that roots touch disjoint runs.
+void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
+                      const ViewSampler& sampler, ColorSamples* samples) {
+  const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
+  uint32_t begin = root, end = root + 1;
+  for (int layer = 0; layer < normals.layer; ++layer) {
+    begin = map.children_begin(layer, begin);
+    end = map.children_begin(layer, end);
+  }
+  for (uint32_t node = begin; node < end; ++node) {
+    const Eigen::Vector3d normal_in_camera = rotation * normals.of_node[node].cast<double>();
+    const size_t points_end = map.points_end(normals.layer, node);
+    for (size_t i = map.points_begin(normals.layer, node); i < points_end; ++i) {
+      const Eigen::Vector3d x_in_camera = rotation * map.point(i) + camera_from_map.translation;
+      if (const auto sample = sampler.sample(x_in_camera, normal_in_camera)) {
+        samples->add(i, sample->color, sample->weight);
+      }
+    }
+  }
+}
+
+/// Grey levels for points that no image shows: intensities with their 99th percentile at white.
+std::vector<Rgb> gray_of_intensities(const PointCloud& cloud) {
+  std::vector<Rgb> colors(cloud.size(), Rgb{kMidGray, kMidGray, kMidGray});
+  if (cloud.intensities.empty()) return colors;
+  std::vector<float> sorted;
+  std::copy_if(cloud.intensities.begin(), cloud.intensities.end(), std::back_inserter(sorted),
+               [](float intensity) { return std::isfinite(intensity); });
+  if (sorted.empty()) return colors;
+  const auto percentile = sorted.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sorted.size() - 1));
+  std::nth_element(sorted.begin(), percentile, sorted.end());
+  const double white = *percentile;
+  if (!(white > 0.0)) return colors;
+  for (size_t i = 0; i < colors.size(); ++i) {
+    if (!std::isfinite(cloud.intensities[i])) continue;
+    const auto gray = static_cast<uint8_t>(std::lround(255.0 * std::clamp(cloud.intensities[i] / white, 0.0, 1.0)));
+    colors[i] = {gray, gray, gray};
+  }
+  return colors;
+}
+
+}  // namespace
+
+void ColorizeOptions::validate() const {
+  sampling.validate();
+  check_option(max_samples >= 1 && max_samples <= 64, "max_samples", "[1, 64]", max_samples);
+  check_option(max_deviation >= 0 && max_deviation <= 255, "max_deviation", "[0, 255]", max_deviation);
+  check_option(normal_voxel_m > 0, "normal_voxel_m", "(0, inf)", normal_voxel_m);
+}
+
+ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
+                        const ColorizeOptions& options) {
+  options.validate();
+  const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
+  ColorSamples samples(map.num_points(), options.max_samples);
+  ColorizeResult result;
+  while (const std::optional<ColorView> view = next_view()) {
+    const ViewSampler sampler(*view, options.sampling);
+    const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const std::vector<uint32_t> roots =
+        map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
+                             options.sampling.max_distance_m);
+    parallel_for_each(roots.size(), [&](size_t k) {
+      add_view_to_root(map, normals, roots[k], view->camera_from_map, sampler, &samples);
+    });
+    ++result.num_images;
+  }
+
+  cloud.colors = gray_of_intensities(cloud);
+  cloud.num_views.assign(cloud.size(), 0);
+  parallel_for_chunks(map.num_points(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (samples.num_views(i) == 0) continue;
+      const uint32_t point = map.input_index(i);
+      cloud.colors[point] = samples.color(i, options.max_deviation);
+      cloud.num_views[point] = samples.num_views(i);
+    }
+  });
+  result.num_colored = static_cast<size_t>(
+      std::count_if(cloud.num_views.begin(), cloud.num_views.end(), [](uint16_t views) { return views > 0; }));
+  result.cloud = std::move(cloud);
+  return result;
+}
+
+}  // namespace cpplus

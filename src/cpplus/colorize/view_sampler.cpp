@@ -1,0 +1,123 @@
+#include "cpplus/colorize/view_sampler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cpplus/core/error.h"
+#include "cpplus/core/options.h"
+
+namespace cpplus {
+namespace {
+
+constexpr double kMinCosIncidence = 0.15;
+constexpr double kUnknownCosIncidence = 0.5;
+/// What is left of the weight at the corners of the image, and on the rim of a foreground.
+constexpr double kCornerWeight = 0.25;
+constexpr double kRimWeight = 0.2;
+
+}  // namespace
+
+void ViewSamplingOptions::validate() const {
+  check_option(max_distance_m > 0, "max_distance_m", "(0, inf)", max_distance_m);
+  check_option(border_margin_px >= 0, "border_margin_px", "[0, inf)", border_margin_px);
+  check_option(occlusion_tolerance_m > 0, "occlusion_tolerance_m", "(0, inf)", occlusion_tolerance_m);
+  check_option(edge_margin_px >= 0, "edge_margin_px", "[0, inf)", edge_margin_px);
+  check_option(edge_jump_ratio >= 0, "edge_jump_ratio", "[0, inf)", edge_jump_ratio);
+  check_option(reference_distance_m > 0, "reference_distance_m", "(0, inf)", reference_distance_m);
+}
+
+Rgb bilinear(const ColorImage& image, const Eigen::Vector2d& pixel) {
+  const double x = std::clamp(pixel.x(), 0.0, image.width - 1.0);
+  const double y = std::clamp(pixel.y(), 0.0, image.height - 1.0);
+  const int x0 = std::min(static_cast<int>(x), std::max(0, image.width - 2));
+  const int y0 = std::min(static_cast<int>(y), std::max(0, image.height - 2));
+  const int x1 = std::min(x0 + 1, image.width - 1);
+  const int y1 = std::min(y0 + 1, image.height - 1);
+  const double right = x - x0;
+  const double down = y - y0;
+  Rgb color;
+  for (size_t c = 0; c < 3; ++c) {
+    const double top = (1 - right) * image.at(x0, y0)[c] + right * image.at(x1, y0)[c];
+    const double bottom = (1 - right) * image.at(x0, y1)[c] + right * image.at(x1, y1)[c];
+    color[c] = static_cast<uint8_t>(std::lround((1 - down) * top + down * bottom));
+  }
+  return color;
+}
+
+ViewSampler::ViewSampler(const ColorView& view, const ViewSamplingOptions& options)
+    : view_(view),
+      options_(options),
+      reach_cells_(static_cast<int>(std::ceil(options.edge_margin_px / view.depth.cell_px))) {
+  if (view.image.width != view.camera.width() || view.image.height != view.camera.height()) {
+    throw Error(fmt::format("image {}: {} x {} pixels, but its camera has {} x {}", view.name, view.image.width,
+                            view.image.height, view.camera.width(), view.camera.height()));
+  }
+  const RangeImage& range = view.depth.range;
+  bearings_.reserve(range.pixels.size());
+  for (int y = 0; y < range.height; ++y) {
+    for (int x = 0; x < range.width; ++x) {
+      const auto bearing = view.camera.unproject(view.depth.center_of({x, y}));
+      bearings_.push_back(bearing ? Eigen::Vector3f(bearing->cast<float>()) : Eigen::Vector3f::Zero());
+    }
+  }
+}
+
+std::optional<ColorSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera,
+                                               const Eigen::Vector3d& normal_in_camera) const {
+  const double range = x_in_camera.norm();
+  if (range > options_.max_distance_m || range == 0.0) return {};
+  const auto pixel = view_.camera.project(x_in_camera);
+  // A panorama has no border to the left and the right.
+  const bool has_border = view_.camera.model() != CameraModel::kEquirectangular;
+  if (!pixel || !view_.camera.in_image(*pixel, has_border ? options_.border_margin_px : -0.5)) return {};
+
+  const bool has_normal = !normal_in_camera.isZero();
+  const double cos_incidence = has_normal
+                                   ? std::max(kMinCosIncidence, std::abs(normal_in_camera.dot(x_in_camera)) / range)
+                                   : kUnknownCosIncidence;
+  const double slack_m = options_.occlusion_tolerance_m / cos_incidence;
+  const float nearest = view_.depth.range_at(*pixel);
+  if (nearest > 0.0f && range > nearest + slack_m) return {};
+  const Neighborhood around = look_around(view_.depth.cell_of(*pixel), x_in_camera, normal_in_camera, slack_m);
+  if (around == Neighborhood::kHidden) return {};
+
+  const double nearness = range / options_.reference_distance_m;
+  const double weight = cos_incidence / (1.0 + nearness * nearness) * position_weight(*pixel) *
+                        (around == Neighborhood::kRim ? kRimWeight : 1.0);
+  return ColorSample{bilinear(view_.image, *pixel), weight};
+}
+
+ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
+                                                   const Eigen::Vector3d& normal_in_camera, double slack_m) const {
+  const RangeImage& buffer = view_.depth.range;
+  const double range = x_in_camera.norm();
+  const double jump_m = slack_m + options_.edge_jump_ratio * range;
+  const double plane_distance = normal_in_camera.dot(x_in_camera);
+  Neighborhood result = Neighborhood::kPlain;
+  for (int y = std::max(0, cell.y() - reach_cells_); y <= std::min(buffer.height - 1, cell.y() + reach_cells_); ++y) {
+    for (int column = cell.x() - reach_cells_; column <= cell.x() + reach_cells_; ++column) {
+      const int x = view_.depth.column(column);
+      if (x < 0) continue;
+      const float there = buffer.at(x, y);
+      if (there > 0.0f && std::abs(there - range) <= jump_m) continue;
+      // Where the point's own surface continues to in that direction: a floor seen at a grazing angle is no edge.
+      const size_t index = static_cast<size_t>(y) * static_cast<size_t>(buffer.width) + static_cast<size_t>(x);
+      const double slope = normal_in_camera.dot(bearings_[index].cast<double>());
+      const double continued = slope * plane_distance > 0.0 ? plane_distance / slope : range;
+      if (there > 0.0f && there < std::min(range, continued) - jump_m) return Neighborhood::kHidden;
+      if (there == 0.0f || there > std::max(range, continued) + jump_m) result = Neighborhood::kRim;
+    }
+  }
+  return result;
+}
+
+double ViewSampler::position_weight(const Eigen::Vector2d& pixel) const {
+  if (view_.camera.model() == CameraModel::kEquirectangular) return 1.0;
+  const Eigen::Vector2d center(0.5 * (view_.camera.width() - 1), 0.5 * (view_.camera.height() - 1));
+  const double corner_share = (pixel - center).squaredNorm() / std::max(1.0, center.squaredNorm());
+  return 1.0 - (1.0 - kCornerWeight) * std::min(1.0, corner_share);
+}
+
+}  // namespace cpplus
