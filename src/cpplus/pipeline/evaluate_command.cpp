@@ -6,12 +6,15 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/npz_io.h"
+#include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/checkerboard_json.h"
+#include "cpplus/pipeline/visible_map_points.h"
 
 namespace cpplus {
 namespace {
@@ -48,7 +51,7 @@ RangeGrid read_range_grid(const std::string& path) {
   return grid;
 }
 
-/// Surface points of an image from its range file.
+/// Surface points of an image from its range file, else from the map.
 class SurfaceOfImage {
  public:
   explicit SurfaceOfImage(const EvaluateOptions& options) : depth_folder_(options.depth) {
@@ -60,6 +63,7 @@ class SurfaceOfImage {
         depth_poses_.emplace(image.name, image.camera_from_map);
       }
     }
+    if (!options.map.empty()) map_.emplace(read_point_cloud(options.map), VoxelMapOptions{});
   }
 
   std::vector<Eigen::Vector3d> operator()(const PosedImage& reference, const Camera& camera) const {
@@ -69,12 +73,14 @@ class SurfaceOfImage {
       const Rigid3& depth_pose = pose == depth_poses_.end() ? reference.camera_from_map : pose->second;
       return visible_points_from_ranges(read_range_grid(file.string()), camera, depth_pose);
     }
+    if (map_) return visible_map_points(*map_, camera, reference.camera_from_map);
     return {};
   }
 
  private:
   std::string depth_folder_;
   std::map<std::string, Rigid3> depth_poses_;
+  std::optional<VoxelMap> map_;
 };
 
 }  // namespace

@@ -11,7 +11,9 @@ struct EvaluateOptions {
   std::string estimate;
   /// COLMAP model folder that it is compared with.
   std::string reference;
-  /// Folder of exact ranges, one STEM.npz an image, which give the reprojection shift; "" = none.
+  /// Point cloud whose points, as far as the reference poses see them, give the reprojection shift; "" = none.
+  std::string map;
+  /// Folder of exact ranges, one STEM.npz an image, which take the place of the map; "" = none.
   std::string depth;
   /// COLMAP model folder with the poses that `depth` was made from; "" = the reference.
   std::string depth_poses;

@@ -69,7 +69,16 @@ TEST_F(EvaluateScene, TheJsonHoldsTheSameFiguresAndTheTableNamesTheImages) {
   EXPECT_THAT(comparison_table(comparison), HasSubstr("000011.jpg"));
 }
 
-TEST_F(EvaluateScene, WithoutRangesThereIsNoShift) {
+TEST_F(EvaluateScene, TheMapsPointsGiveNearlyTheShiftOfTheExactRanges) {
+  EvaluateOptions options = options_for("coarse_small");
+  const double exact_px = evaluate_models(options).shift_px.median;
+  options.depth.clear();
+  options.depth_poses.clear();
+  options.map = kScene + "map.pcd";
+  EXPECT_NEAR(evaluate_models(options).shift_px.median, exact_px, 0.1 * exact_px);
+}
+
+TEST_F(EvaluateScene, WithoutRangesOrAMapThereIsNoShift) {
   EvaluateOptions options = options_for("coarse_small");
   options.depth.clear();
   options.depth_poses.clear();
