@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "cpplus/simulate/tracer.h"
+
+namespace cpplus {
+
+/// Radiance of the sky in a direction (unit, map frame), clouds included.
+Eigen::Vector3f sky_radiance(const Sky& sky, const Eigen::Vector3f& direction);
+
+/// Light that changes slowly along a surface: lamps with soft shadows, sky and ambient light with occlusion and one
+/// tinted bounce. Computed once per cell of a surface, when an image first needs it, so that its cost is shared by
+/// all images; a cell's value depends on the cell alone, never on the thread or the order.
+class SoftLight {
+ public:
+  SoftLight(const Tracer& tracer, float cell_m);
+
+  /// Irradiance / pi at a point of a surface (what a white diffuse surface there sends out), without the sun.
+  Eigen::Vector3f at(const TraceHit& hit) const;
+
+ private:
+  struct FaceGrid {
+    size_t first = 0;
+    int columns = 0;
+    int rows = 0;
+    Eigen::Vector2f low = Eigen::Vector2f::Zero();   // uv of cell (0, 0)
+    Eigen::Vector2f step = Eigen::Vector2f::Ones();  // metres
+  };
+
+  Eigen::Vector3f cell_value(uint32_t face_index, int column, int row) const;
+  Eigen::Vector3f gather(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, uint64_t seed) const;
+
+  const Tracer& tracer_;
+  std::vector<FaceGrid> grids_;
+  size_t num_cells_ = 0;
+  // Three 21-bit colours and a "known" bit in one word: two threads may both compute a cell, and write the same.
+  std::unique_ptr<std::atomic<uint64_t>[]> cells_;
+};
+
+}  // namespace cpplus

@@ -1,0 +1,39 @@
+#include "cpplus/simulate/map_fit.h"
+
+#include <Eigen/Cholesky>
+#include <optional>
+
+namespace cpplus {
+
+Rigid3 fit_pose_to_map(const Camera& camera, const Rigid3& true_camera_from_map,
+                       const std::vector<DisplacedPoint>& points) {
+  constexpr int kIterations = 8;
+  constexpr int kMinPoints = 30;
+  Rigid3 camera_from_map = true_camera_from_map;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Matrix6d information = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    int count = 0;
+    for (const DisplacedPoint& point : points) {
+      const auto target = camera.project(true_camera_from_map * point.x_in_truth);
+      const Eigen::Vector3d x = camera_from_map * point.x_in_map;
+      Eigen::Vector2d pixel;
+      Eigen::Matrix<double, 2, 3> d_pixel_d_x;
+      if (!target || !camera.project(x, &pixel, &d_pixel_d_x)) continue;
+      // x_in_camera of the camera perturbed by delta: x - rotation x x - translation (see perturb_camera).
+      Eigen::Matrix<double, 3, 6> d_x_d_delta;
+      d_x_d_delta << 0.0, -x.z(), x.y(), -1.0, 0.0, 0.0, x.z(), 0.0, -x.x(), 0.0, -1.0, 0.0, -x.y(), x.x(), 0.0, 0.0, 0.0, -1.0;
+      const Eigen::Matrix<double, 2, 6> jacobian = d_pixel_d_x * d_x_d_delta;
+      information += jacobian.transpose() * jacobian;
+      gradient += jacobian.transpose() * (pixel - *target);
+      ++count;
+    }
+    if (count < kMinPoints) return true_camera_from_map;
+    const Vector6d delta = -information.ldlt().solve(gradient);
+    camera_from_map = perturb_camera(camera_from_map, delta);
+    if (delta.norm() < 1e-10) break;
+  }
+  return camera_from_map;
+}
+
+}  // namespace cpplus

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cpplus/cloud/point_cloud.h"
+#include "cpplus/core/image.h"
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/rigid3.h"
+#include "cpplus/geometry/trajectory.h"
+#include "cpplus/simulate/coarse_poses.h"
+#include "cpplus/simulate/lidar.h"
+#include "cpplus/simulate/renderer.h"
+#include "cpplus/simulate/scene.h"
+
+namespace cpplus {
+
+struct SimulateOptions {
+  /// "room", "rooms", "hall", "street" or "corridor".
+  std::string scene = "room";
+  /// Chooses everything that is left to chance.
+  int seed = 1;
+  /// Image size, pixels. [16, 16384]
+  int width = 1024;
+  int height = 768;
+  /// PINHOLE, OPENCV, OPENCV_FISHEYE or EQUIRECTANGULAR.
+  std::string camera = "OPENCV";
+  /// Number of images. [1, 100000]
+  int images = 12;
+  /// How many of them a jolt has blurred. [0, images]
+  int blurred = 1;
+  /// Number of scans. [1, 100000]
+  int scans = 36;
+  /// The LiDAR stands at the start of its way and looks ahead; the images are taken within arm's reach of it.
+  bool standing = false;
+  /// People and cars move (where the scene has them).
+  bool moving = true;
+  /// Error of the scan poses that the map is made with: smooth, standard deviation per axis.
+  double scan_pose_sigma_m = 0.005;
+  double scan_pose_sigma_deg = 0.03;
+  /// The map keeps one point a voxel of this size, metres. (0, 1]
+  double map_voxel_m = 0.02;
+  LidarOptions lidar;
+  RenderOptions render;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("scene", scene, "room, rooms, hall, street or corridor.");
+    visitor("seed", seed, "Chooses everything that is left to chance.");
+    visitor("width", width, "Image width, pixels. [16, 16384]");
+    visitor("height", height, "Image height, pixels. [16, 16384]");
+    visitor("camera", camera, "PINHOLE, OPENCV, OPENCV_FISHEYE or EQUIRECTANGULAR.");
+    visitor("images", images, "Number of images. [1, 100000]");
+    visitor("blurred", blurred, "How many images a jolt has blurred. [0, images]");
+    visitor("scans", scans, "Number of scans. [1, 100000]");
+    visitor("standing", standing, "The LiDAR stands still; the images are taken within arm's reach of it.");
+    visitor("moving", moving, "People and cars move, where the scene has them.");
+    visitor("scan_pose_sigma_m", scan_pose_sigma_m, "Error of the scan poses, metres per axis. [0, 1]");
+    visitor("scan_pose_sigma_deg", scan_pose_sigma_deg, "Error of the scan poses, degrees per axis. [0, 10]");
+    visitor("map_voxel_m", map_voxel_m, "The map keeps one point a voxel of this size, metres. (0, 1]");
+    visitor.group("lidar", lidar);
+    visitor.group("render", render);
+  }
+};
+
+struct SimulatedImage {
+  std::string name;  // 000000.jpg
+  double stamp_s = 0.0;
+  Rigid3 camera_from_map;         // true, at the middle of the exposure
+  Rigid3 on_map_camera_from_map;  // fits the (slightly displaced) map best
+  ColorImage pixels;
+  /// True range of the static scene at pixels (4 i + 1.5, 4 j + 1.5); 0 = none.
+  RangeImage range;
+  double blur_px = 0.0;  // 0 = sharp
+  double blur_direction_rad = 0.0;
+  bool shows_moving = false;
+};
+
+struct SimulatedScan {
+  double stamp_s = 0.0;
+  LidarScan scan;
+  Rigid3 map_from_lidar;       // as an odometry would state it: slightly wrong; the map is made with it
+  Rigid3 true_map_from_lidar;
+};
+
+struct SimulatedWorld {
+  Scene scene;
+  Camera camera;
+  Rigid3 lidar_from_camera;
+  std::vector<SimulatedImage> images;
+  std::vector<SimulatedScan> scans;
+  PointCloud map;
+  std::vector<uint8_t> map_labels;      // 1 = point of a moving body
+  std::vector<uint32_t> map_scans;      // scan of each map point
+  std::vector<CoarsePoses> coarse;
+};
+
+/// Builds the scene, walks through it, scans and photographs it. The same options give the same world to the last bit,
+/// for any number of threads.
+SimulatedWorld simulate_world(const SimulateOptions& options);
+
+}  // namespace cpplus
