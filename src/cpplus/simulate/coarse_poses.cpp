@@ -85,7 +85,9 @@ SmoothNoise::SmoothNoise(uint64_t seed, double shortest_period_s, double longest
   for (int k = 0; k < 6; ++k) {
     for (int wave = 0; wave < kWaves; ++wave) {
       phase_rad_(k, wave) = random.uniform(0.0, 2.0 * M_PI);
-      rate_(k, wave) = 2.0 * M_PI / random.uniform(shortest_period_s, longest_period_s);
+      // One period from each part of the range: two that are nearly equal would beat for a long time.
+      const double share = (wave + random.uniform(0.2, 0.8)) / kWaves;
+      rate_(k, wave) = 2.0 * M_PI / (shortest_period_s * std::pow(longest_period_s / shortest_period_s, share));
     }
   }
 }
@@ -107,12 +109,12 @@ CoarsePoses make_coarse_poses(const std::function<Rigid3(double)>& camera_from_m
     shifted = poses_at(camera_from_map_at, stamps_s, result.time_offset_s);
   }
   const std::vector<Vector6d> deltas = perturbations(shifted, stamps_s, options);
-  const double rotation = solve_scale(
-      [&](double scale) { return rms_rotation_deg(truth, perturbed(shifted, deltas, scale, 0.0)); },
-      options.rms_rotation_deg, 4.0 * options.rms_rotation_deg / kRadToDeg);
-  const double translation = solve_scale(
-      [&](double scale) { return rms_translation_m(truth, perturbed(shifted, deltas, 0.0, scale)); },
-      options.rms_translation_m, 4.0 * options.rms_translation_m);
+  const double rotation =
+      solve_scale([&](double scale) { return rms_rotation_deg(truth, perturbed(shifted, deltas, scale, 0.0)); },
+                  options.rms_rotation_deg, 4.0 * options.rms_rotation_deg / kRadToDeg);
+  const double translation =
+      solve_scale([&](double scale) { return rms_translation_m(truth, perturbed(shifted, deltas, 0.0, scale)); },
+                  options.rms_translation_m, 4.0 * options.rms_translation_m);
   result.camera_from_map = perturbed(shifted, deltas, rotation, translation);
   result.rms_rotation_deg = rms_rotation_deg(truth, result.camera_from_map);
   result.rms_translation_m = rms_translation_m(truth, result.camera_from_map);

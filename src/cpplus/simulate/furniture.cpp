@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 uint32_t wood_material(SceneDraft& draft) {
-  const Vector3f color = draft.pick_of({{0.50f, 0.33f, 0.18f}, {0.36f, 0.21f, 0.11f}, {0.60f, 0.45f, 0.28f}, {0.62f, 0.61f, 0.58f}});
+  const Vector3f color =
+      draft.pick_of({{0.50f, 0.33f, 0.18f}, {0.36f, 0.21f, 0.11f}, {0.60f, 0.45f, 0.28f}, {0.62f, 0.61f, 0.58f}});
   return draft.material(Pattern::kWood, color, 0.65f * color);
 }
 
@@ -28,7 +29,8 @@ void fill_shelf(SceneDraft& draft, double x, double x_end, double z, double clea
     }
     if (draft.chance(0.08) && x + 0.3 < x_end) {
       const double width = draft.pick(0.2, 0.3);
-      draft.builder.add_box({x, 0.05, z}, {x + width, depth - 0.03, z + draft.pick(0.12, clear_height - 0.04)}, cardboard_material(draft));
+      draft.builder.add_box({x, 0.05, z}, {x + width, depth - 0.03, z + draft.pick(0.12, clear_height - 0.04)},
+                            cardboard_material(draft));
       x += width + 0.02;
       continue;
     }
@@ -85,7 +87,8 @@ void add_bookshelf(SceneDraft& draft, const Rigid3& frame, double width_m) {
 
 void add_cabinet(SceneDraft& draft, const Rigid3& frame, double width_m) {
   draft.begin("cabinet", frame);
-  const uint32_t body = draft.chance(0.5) ? wood_material(draft) : draft.material(Pattern::kPlain, draft.pick_color(0.3f, 0.6f));
+  const uint32_t body =
+      draft.chance(0.5) ? wood_material(draft) : draft.material(Pattern::kPlain, draft.pick_color(0.3f, 0.6f));
   const double x = 0.5 * width_m;
   const double depth = draft.pick(0.4, 0.55);
   const double height = draft.pick(0.8, 1.9);
@@ -94,11 +97,14 @@ void add_cabinet(SceneDraft& draft, const Rigid3& frame, double width_m) {
   draft.builder.add_box({-x + 0.03, 0.03, 0.0}, {x - 0.03, depth - 0.05, 0.05}, handle);
   for (const double side : {-1.0, 1.0}) {
     const double inner = side * 0.006;
-    draft.builder.add_box({std::min(inner, side * (x - 0.01)), depth, 0.06}, {std::max(inner, side * (x - 0.01)), depth + 0.018, height - 0.01}, body);
-    draft.builder.add_box({side * 0.05 - 0.008, depth + 0.018, 0.5 * height - 0.08}, {side * 0.05 + 0.008, depth + 0.045, 0.5 * height + 0.08}, handle);
+    draft.builder.add_box({std::min(inner, side * (x - 0.01)), depth, 0.06},
+                          {std::max(inner, side * (x - 0.01)), depth + 0.018, height - 0.01}, body);
+    draft.builder.add_box({side * 0.05 - 0.008, depth + 0.018, 0.5 * height - 0.08},
+                          {side * 0.05 + 0.008, depth + 0.045, 0.5 * height + 0.08}, handle);
   }
   if (draft.chance(0.6)) {
-    draft.builder.add_box({-0.3 * x, 0.1, height}, {0.5 * x, depth - 0.08, height + draft.pick(0.15, 0.3)}, cardboard_material(draft));
+    draft.builder.add_box({-0.3 * x, 0.1, height}, {0.5 * x, depth - 0.08, height + draft.pick(0.15, 0.3)},
+                          cardboard_material(draft));
   }
 }
 
@@ -136,12 +142,14 @@ void add_table(SceneDraft& draft, const Rigid3& frame, double length_m, double w
   draft.builder.add_box({-x, -y, 0.71}, {x, y, 0.75}, top);
   add_legs(draft, x - 0.06, y - 0.06, 0.71, 0.07, legs);
   for (int i = 0; i < 4; ++i) {
-    const Rigid3 item = frame * placed_at({draft.pick(-x + 0.25, x - 0.25), draft.pick(-y + 0.2, y - 0.2), 0.75}, draft.pick(0.0, M_PI));
+    const Rigid3 item = frame * placed_at({draft.pick(-x + 0.25, x - 0.25), draft.pick(-y + 0.2, y - 0.2), 0.75},
+                                          draft.pick(0.0, M_PI));
     draft.begin("on_table", item);
     if (draft.chance(0.4)) {
       draft.builder.add_box({-0.1, -0.08, 0.0}, {0.1, 0.08, draft.pick(0.08, 0.2)}, cardboard_material(draft));
     } else {
-      draft.builder.add_box({-0.12, -0.08, 0.0}, {0.12, 0.08, draft.pick(0.015, 0.05)}, draft.material(Pattern::kPlain, draft.pick_color(0.05f, 0.6f)));
+      draft.builder.add_box({-0.12, -0.08, 0.0}, {0.12, 0.08, draft.pick(0.015, 0.05)},
+                            draft.material(Pattern::kPlain, draft.pick_color(0.05f, 0.6f)));
     }
   }
 }
@@ -219,7 +227,8 @@ void add_rug(SceneDraft& draft, const Rigid3& frame, double length_m, double wid
 
 void add_poster(SceneDraft& draft, const Rigid3& frame, double low_m, double width_m, double height_m) {
   draft.begin("poster", frame * placed_at({0.0, 0.0, low_m}, 0.0));
-  const uint32_t picture = draft.material(Pattern::kPoster, draft.pick_color(0.05f, 0.7f), draft.pick_color(0.05f, 0.7f));
+  const uint32_t picture =
+      draft.material(Pattern::kPoster, draft.pick_color(0.05f, 0.7f), draft.pick_color(0.05f, 0.7f));
   draft.edit_material(picture).size_m = {static_cast<float>(width_m), static_cast<float>(height_m)};
   const uint32_t rim = draft.material(Pattern::kPlain, draft.pick_color(0.05f, 0.3f));
   add_plate(draft, width_m, height_m, draft.chance(0.5) ? 0.025 : 0.004, picture, rim);
@@ -251,7 +260,8 @@ void add_checkerboard(SceneDraft& draft, const Rigid3& frame, double tilt_rad, d
   Checkerboard board;
   board.name = std::string(1, static_cast<char>('A' + draft.scene.boards.size() % 26));
   board.square_m = 0.09;
-  const uint32_t squares = draft.material(Pattern::kCheckerboard, {0.8f, 0.8f, 0.8f}, {0.025f, 0.025f, 0.025f}, static_cast<float>(board.square_m));
+  const uint32_t squares = draft.material(Pattern::kCheckerboard, {0.8f, 0.8f, 0.8f}, {0.025f, 0.025f, 0.025f},
+                                          static_cast<float>(board.square_m));
   draft.edit_material(squares).cells = {board.inner_columns + 1, board.inner_rows + 1};
   const uint32_t back = draft.material(Pattern::kPlain, {0.5f, 0.5f, 0.5f});
   const double width = (board.inner_columns + 2) * board.square_m;
@@ -263,7 +273,8 @@ void add_checkerboard(SceneDraft& draft, const Rigid3& frame, double tilt_rad, d
   add_plate(draft, width, height, kThickness, squares, back);
   for (int row = 0; row < board.inner_rows; ++row) {
     for (int column = 0; column < board.inner_columns; ++column) {
-      board.corners.push_back(plate * Vector3d(0.5 * width - (1.5 + column) * board.square_m, kThickness + 0.0015, height - (1.5 + row) * board.square_m));
+      board.corners.push_back(plate * Vector3d(0.5 * width - (1.5 + column) * board.square_m, kThickness + 0.0015,
+                                               height - (1.5 + row) * board.square_m));
     }
   }
   draft.scene.boards.push_back(board);
@@ -275,7 +286,8 @@ void add_checkerboard(SceneDraft& draft, const Rigid3& frame, double tilt_rad, d
   draft.builder.add_cylinder({0.0, 0.2, 0.55}, head, 0.015, 0.015, steel, 8);
   for (int i = 0; i < 3; ++i) {
     const double angle = 2.1 * i + 0.5;
-    draft.builder.add_cylinder({0.35 * std::cos(angle), 0.2 + 0.35 * std::sin(angle), 0.0}, {0.0, 0.2, 0.7}, 0.012, 0.012, steel, 8);
+    draft.builder.add_cylinder({0.35 * std::cos(angle), 0.2 + 0.35 * std::sin(angle), 0.0}, {0.0, 0.2, 0.7}, 0.012,
+                               0.012, steel, 8);
   }
 }
 

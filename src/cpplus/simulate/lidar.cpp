@@ -138,7 +138,8 @@ LidarScan fire_scan(const Tracer& tracer, const Rigid3& map_from_lidar, double s
   parallel_for_chunks(directions.size(), kBeamsPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Vector3f axis = (map_from_lidar.rotation * directions[i]).cast<float>();
-      Echo echo = strongest_echo(tracer, bodies, origin, beam_bundle(axis, options.divergence_mrad), options.echo_length_m);
+      Echo echo =
+          strongest_echo(tracer, bodies, origin, beam_bundle(axis, options.divergence_mrad), options.echo_length_m);
       Random random(hash_seed(seed, static_cast<uint64_t>(scan), i));
       echo.range += options.range_noise_m * random.normal();
       echo.intensity = std::clamp(255.0 * echo.intensity * (1.0 + 0.04 * random.normal()), 0.0, 255.0);

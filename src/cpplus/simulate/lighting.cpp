@@ -78,8 +78,9 @@ SoftLight::SoftLight(const Tracer& tracer, float cell_m) : tracer_(tracer) {
     grid.columns = cells(high.x() - low.x());
     grid.rows = cells(high.y() - low.y());
     grid.low = low;
-    grid.step = (high - low).cwiseQuotient(Vector2f(static_cast<float>(std::max(1, grid.columns - 1)),
-                                                    static_cast<float>(std::max(1, grid.rows - 1))));
+    grid.step = (high - low)
+                    .cwiseQuotient(Vector2f(static_cast<float>(std::max(1, grid.columns - 1)),
+                                            static_cast<float>(std::max(1, grid.rows - 1))));
     grid.step = grid.step.cwiseMax(1e-6f);
     num_cells_ += static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows);
     grids_.push_back(grid);
@@ -108,7 +109,8 @@ Vector3f SoftLight::at(const TraceHit& hit) const {
 
 Vector3f SoftLight::cell_value(uint32_t face_index, int column, int row) const {
   const FaceGrid& grid = grids_[face_index];
-  const size_t cell = grid.first + static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column);
+  const size_t cell =
+      grid.first + static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column);
   const uint64_t known = cells_[cell].load(std::memory_order_relaxed);
   if (known != 0) return unpack(known);
   const MeshFace& face = tracer_.scene().mesh.faces[face_index];
@@ -134,15 +136,18 @@ Vector3f SoftLight::gather(const Vector3f& point, const Vector3f& normal, uint64
     if (normal.dot(light.center - point) < -light.half_u.norm() - light.half_v.norm()) continue;
     Vector3f from_light = Vector3f::Zero();
     for (int i = 0; i < kLightStrata * kLightStrata; ++i) {
-      const float a = 2.0f * (static_cast<float>(i % kLightStrata) + static_cast<float>(random.uniform())) / kLightStrata - 1.0f;
-      const float b = 2.0f * (static_cast<float>(i / kLightStrata) + static_cast<float>(random.uniform())) / kLightStrata - 1.0f;
+      const float a =
+          2.0f * (static_cast<float>(i % kLightStrata) + static_cast<float>(random.uniform())) / kLightStrata - 1.0f;
+      const float b =
+          2.0f * (static_cast<float>(i / kLightStrata) + static_cast<float>(random.uniform())) / kLightStrata - 1.0f;
       const Vector3f to_light = light.center + a * light.half_u + b * light.half_v - origin;
       const float distance = to_light.norm();
       const Vector3f direction = to_light / distance;
       const float cosines = normal.dot(direction) * std::max(0.0f, -light_normal.dot(direction));
       if (normal.dot(direction) <= 0.0f || cosines <= 0.0f) continue;
       if (tracer_.occluded_static(origin, direction, distance - 2.0f * kSurfaceOffset)) continue;
-      from_light += light.radiance * (cosines * area / (static_cast<float>(M_PI) * std::max(0.05f, distance * distance)));
+      from_light +=
+          light.radiance * (cosines * area / (static_cast<float>(M_PI) * std::max(0.05f, distance * distance)));
     }
     sum += from_light / static_cast<float>(kLightStrata * kLightStrata);
   }
@@ -152,8 +157,10 @@ Vector3f SoftLight::gather(const Vector3f& point, const Vector3f& normal, uint64
   const Vector3f bitangent = normal.cross(tangent);
   Vector3f diffuse = Vector3f::Zero();
   for (int i = 0; i < kHemisphereStrata * kHemisphereStrata; ++i) {
-    const float a = (static_cast<float>(i % kHemisphereStrata) + static_cast<float>(random.uniform())) / kHemisphereStrata;
-    const float b = (static_cast<float>(i / kHemisphereStrata) + static_cast<float>(random.uniform())) / kHemisphereStrata;
+    const float a =
+        (static_cast<float>(i % kHemisphereStrata) + static_cast<float>(random.uniform())) / kHemisphereStrata;
+    const float b =
+        (static_cast<float>(i / kHemisphereStrata) + static_cast<float>(random.uniform())) / kHemisphereStrata;
     const float radius = std::sqrt(a);
     const float angle = 2.0f * static_cast<float>(M_PI) * b;
     const Vector3f direction = radius * std::cos(angle) * tangent + radius * std::sin(angle) * bitangent +

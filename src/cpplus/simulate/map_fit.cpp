@@ -22,7 +22,8 @@ Rigid3 fit_pose_to_map(const Camera& camera, const Rigid3& true_camera_from_map,
       if (!target || !camera.project(x, &pixel, &d_pixel_d_x)) continue;
       // x_in_camera of the camera perturbed by delta: x - rotation x x - translation (see perturb_camera).
       Eigen::Matrix<double, 3, 6> d_x_d_delta;
-      d_x_d_delta << 0.0, -x.z(), x.y(), -1.0, 0.0, 0.0, x.z(), 0.0, -x.x(), 0.0, -1.0, 0.0, -x.y(), x.x(), 0.0, 0.0, 0.0, -1.0;
+      d_x_d_delta << 0.0, -x.z(), x.y(), -1.0, 0.0, 0.0, x.z(), 0.0, -x.x(), 0.0, -1.0, 0.0, -x.y(), x.x(), 0.0, 0.0,
+          0.0, -1.0;
       const Eigen::Matrix<double, 2, 6> jacobian = d_pixel_d_x * d_x_d_delta;
       information += jacobian.transpose() * jacobian;
       gradient += jacobian.transpose() * (pixel - *target);

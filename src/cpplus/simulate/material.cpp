@@ -18,7 +18,9 @@ float cell_random(const Vector2i& cell, uint32_t seed) {
   return hash_uniform(hash_seed(seed, (static_cast<uint64_t>(x) << 32) | y));
 }
 
-Vector2i floor2(const Vector2f& x) { return Vector2i(static_cast<int>(std::floor(x.x())), static_cast<int>(std::floor(x.y()))); }
+Vector2i floor2(const Vector2f& x) {
+  return Vector2i(static_cast<int>(std::floor(x.x())), static_cast<int>(std::floor(x.y())));
+}
 
 Vector3f mix(const Vector3f& a, const Vector3f& b, float t) { return a + t * (b - a); }
 
@@ -69,7 +71,9 @@ Vector3f planks(const Material& m, const Vector2f& uv, float footprint) {
   const float shifted = uv.x() / length + 0.37f * row;
   const Vector2i cell(static_cast<int>(std::floor(shifted)), static_cast<int>(row));
   Material board = m;
-  board.seed = m.seed + static_cast<uint32_t>(hash_seed(m.seed, static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y())) & 0xffff);
+  board.seed =
+      m.seed + static_cast<uint32_t>(
+                   hash_seed(m.seed, static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y())) & 0xffff);
   const Vector3f base = wood(board, uv, footprint) * (1.0f + 0.35f * (cell_random(cell, m.seed) - 0.5f));
   const float to_side = uv.y() - m.scale_m * std::round(uv.y() / m.scale_m);
   const float to_end = (shifted - std::round(shifted)) * length;
@@ -94,7 +98,8 @@ Vector3f concrete(const Material& m, const Vector2f& uv, float footprint) {
   const Vector2f panel = uv.cwiseQuotient(Vector2f(2.4f, 1.2f));
   const Vector2f in_panel = (panel - panel.array().floor().matrix()).cwiseProduct(Vector2f(2.4f, 1.2f));
   Vector3f base = mottled(m, uv, footprint, 0.6f, 0.35f);
-  base *= 1.0f + 0.1f * m.contrast * fractal_noise(Vector2f(uv.x() / 0.1f, uv.y() / 1.2f), 2, footprint / 0.1f, m.seed + 3);
+  base *=
+      1.0f + 0.1f * m.contrast * fractal_noise(Vector2f(uv.x() / 0.1f, uv.y() / 1.2f), 2, footprint / 0.1f, m.seed + 3);
   const float to_joint = std::min({in_panel.x(), in_panel.y(), 2.4f - in_panel.x(), 1.2f - in_panel.y()});
   const Vector2f hole(std::abs(in_panel.x() - 1.2f) - 0.7f, in_panel.y() - 0.6f);
   const float mark = std::max(0.7f * stripe(to_joint, 0.004f, footprint), stripe(hole.norm(), 0.013f, footprint));
@@ -116,7 +121,8 @@ float glyph_ink(const Vector2f& in_letter, uint64_t letter, float soft) {
   const int column = static_cast<int>(in_letter.x() * 5.0f);
   const int row = static_cast<int>(in_letter.y() * 7.0f);
   const int mirrored = std::min(column, 4 - column);
-  const bool ink = (hash_seed(letter, static_cast<uint64_t>(mirrored * 7 + row)) & 7) < 5 && (column == 0 || row % 3 == 0 || column == 2);
+  const bool ink = (hash_seed(letter, static_cast<uint64_t>(mirrored * 7 + row)) & 7) < 5 &&
+                   (column == 0 || row % 3 == 0 || column == 2);
   return ink ? std::clamp(1.2f - soft, 0.25f, 1.0f) : 0.0f;
 }
 
@@ -140,18 +146,23 @@ Vector3f poster(const Material& m, const Vector2f& uv, float footprint) {
   if (uv.y() > picture_low) {
     const float a = fractal_noise(uv / (0.25f * size.x()), 4, footprint / (0.25f * size.x()), m.seed);
     const float b = fractal_noise(uv / (0.35f * size.x()), 3, footprint / (0.35f * size.x()), m.seed + 1);
-    const Vector2f sun = uv - Vector2f(0.3f * size.x() + 0.1f * size.x() * hash_uniform(hash_seed(m.seed, 3)), 0.78f * size.y());
+    const Vector2f sun =
+        uv - Vector2f(0.3f * size.x() + 0.1f * size.x() * hash_uniform(hash_seed(m.seed, 3)), 0.78f * size.y());
     const float disc = stripe(sun.norm(), 0.12f * size.x(), footprint);
     const Vector3f sky = mix(m.color, m.color2, std::clamp(0.5f + a, 0.0f, 1.0f));
-    const float hill = uv.y() - picture_low - 0.2f * size.y() - 0.1f * size.y() * value_noise(Vector2f(uv.x() / (0.2f * size.x()), 0.5f), m.seed + 2);
+    const float hill = uv.y() - picture_low - 0.2f * size.y() -
+                       0.1f * size.y() * value_noise(Vector2f(uv.x() / (0.2f * size.x()), 0.5f), m.seed + 2);
     const Vector3f land = (0.35f + 0.3f * b) * Vector3f(m.color2.z(), m.color2.x(), m.color2.y());
-    return mix(mix(sky, Vector3f(0.9f, 0.75f, 0.2f), disc), land, std::clamp(-hill / std::max(footprint, 1e-4f) + 0.5f, 0.0f, 1.0f));
+    return mix(mix(sky, Vector3f(0.9f, 0.75f, 0.2f), disc), land,
+               std::clamp(-hill / std::max(footprint, 1e-4f) + 0.5f, 0.0f, 1.0f));
   }
   float ink = text_ink(uv - Vector2f(0.08f * size.x(), 0.31f * size.y()), 0.075f * size.y(), 14, m.seed + 7, footprint);
   const float line_pitch = 0.036f * size.y();
   const auto line = static_cast<int>(std::floor((uv.y() - 0.06f * size.y()) / line_pitch));
   if (line >= 0 && line < 6) {
-    ink = std::max(ink, text_ink(uv - Vector2f(0.08f * size.x(), 0.06f * size.y() + line_pitch * static_cast<float>(line)), 0.02f * size.y(), 40 + line % 3 * 4, m.seed + 11 + static_cast<uint32_t>(line), footprint));
+    ink = std::max(ink,
+                   text_ink(uv - Vector2f(0.08f * size.x(), 0.06f * size.y() + line_pitch * static_cast<float>(line)),
+                            0.02f * size.y(), 40 + line % 3 * 4, m.seed + 11 + static_cast<uint32_t>(line), footprint));
   }
   return mix(paper, Vector3f(0.06f, 0.06f, 0.12f), ink);
 }
@@ -197,7 +208,8 @@ Vector3f ceiling_panel(const Material& m, const Vector2f& uv, float footprint) {
   const Vector2f x = uv / m.scale_m;
   const float joint = stripe(border_distance(x) * m.scale_m, 0.004f, footprint);
   const float speck = fractal_noise(uv / 0.025f, 2, footprint / 0.025f, m.seed);
-  return mix(m.color * (1.0f - 0.15f * std::max(0.0f, speck) + 0.04f * (cell_random(floor2(x), m.seed) - 0.5f)), m.color2, joint);
+  return mix(m.color * (1.0f - 0.15f * std::max(0.0f, speck) + 0.04f * (cell_random(floor2(x), m.seed) - 0.5f)),
+             m.color2, joint);
 }
 
 Vector3f door(const Material& m, const Vector2f& uv, float footprint) {
@@ -231,7 +243,9 @@ float fractal_noise(const Vector2f& x, int octaves, float footprint, uint32_t se
   for (int i = 0; i < octaves; ++i) {
     const float fade = std::clamp(1.5f - 2.0f * footprint * frequency, 0.0f, 1.0f);
     if (fade <= 0.0f) break;
-    sum += fade * weight * value_noise(x * frequency + Vector2f::Constant(17.0f * static_cast<float>(i)), seed + static_cast<uint32_t>(i) * 101u);
+    sum += fade * weight *
+           value_noise(x * frequency + Vector2f::Constant(17.0f * static_cast<float>(i)),
+                       seed + static_cast<uint32_t>(i) * 101u);
     weight *= 0.5f;
     frequency *= 2.03f;
   }
@@ -239,24 +253,56 @@ float fractal_noise(const Vector2f& x, int octaves, float footprint, uint32_t se
 }
 
 Vector3f albedo(const Material& m, const Vector2f& uv, float footprint) {
-  Vector3f color;
+  Vector3f color = m.color;
   switch (m.pattern) {
-    case Pattern::kPlain: color = mottled(m, uv, footprint, 0.15f, 0.08f); break;
-    case Pattern::kPlaster: color = mottled(m, uv, footprint, 0.5f, 0.18f); break;
-    case Pattern::kConcrete: color = concrete(m, uv, footprint); break;
-    case Pattern::kTiles: color = tiles(m, uv, footprint); break;
-    case Pattern::kCarpet: color = carpet(m, uv, footprint); break;
-    case Pattern::kWood: color = wood(m, uv, footprint); break;
-    case Pattern::kPlanks: color = planks(m, uv, footprint); break;
-    case Pattern::kBrick: color = brick(m, uv, footprint); break;
-    case Pattern::kAsphalt: color = asphalt(m, uv, footprint); break;
-    case Pattern::kPoster: color = poster(m, uv, footprint); break;
-    case Pattern::kSign: color = sign(m, uv, footprint); break;
-    case Pattern::kCheckerboard: color = checkerboard(m, uv); break;
-    case Pattern::kRug: color = rug(m, uv, footprint); break;
-    case Pattern::kCardboard: color = cardboard(m, uv, footprint); break;
-    case Pattern::kCeilingPanel: color = ceiling_panel(m, uv, footprint); break;
-    case Pattern::kDoor: color = door(m, uv, footprint); break;
+    case Pattern::kPlain:
+      color = mottled(m, uv, footprint, 0.15f, 0.08f);
+      break;
+    case Pattern::kPlaster:
+      color = mottled(m, uv, footprint, 0.5f, 0.18f);
+      break;
+    case Pattern::kConcrete:
+      color = concrete(m, uv, footprint);
+      break;
+    case Pattern::kTiles:
+      color = tiles(m, uv, footprint);
+      break;
+    case Pattern::kCarpet:
+      color = carpet(m, uv, footprint);
+      break;
+    case Pattern::kWood:
+      color = wood(m, uv, footprint);
+      break;
+    case Pattern::kPlanks:
+      color = planks(m, uv, footprint);
+      break;
+    case Pattern::kBrick:
+      color = brick(m, uv, footprint);
+      break;
+    case Pattern::kAsphalt:
+      color = asphalt(m, uv, footprint);
+      break;
+    case Pattern::kPoster:
+      color = poster(m, uv, footprint);
+      break;
+    case Pattern::kSign:
+      color = sign(m, uv, footprint);
+      break;
+    case Pattern::kCheckerboard:
+      color = checkerboard(m, uv);
+      break;
+    case Pattern::kRug:
+      color = rug(m, uv, footprint);
+      break;
+    case Pattern::kCardboard:
+      color = cardboard(m, uv, footprint);
+      break;
+    case Pattern::kCeilingPanel:
+      color = ceiling_panel(m, uv, footprint);
+      break;
+    case Pattern::kDoor:
+      color = door(m, uv, footprint);
+      break;
   }
   return color.cwiseMax(0.01f).cwiseMin(0.95f);
 }

@@ -28,7 +28,7 @@ Path::Path(const Way& way) : way_(way) {
     const Vector3d step = control_[i] - control_[i - 1];
     length += std::hypot(step.head<2>().norm(), kTurnMetresPerRad * step.z());
   }
-  duration_s_ = length / way.speed_mps;
+  duration_s_ = std::max(1e-3, length / way.speed_mps);  // a way that goes nowhere lasts, too
 }
 
 Vector3d Path::curve(double parameter) const {

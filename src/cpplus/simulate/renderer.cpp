@@ -53,7 +53,7 @@ Renderer::Renderer(const Tracer& tracer, const SoftLight& light, const Camera& c
       path_(path),
       lidar_from_camera_(lidar_from_camera),
       options_(options),
-      corner_bearings_(camera.width() + 1, camera.height() + 1) {
+      corner_bearings_(camera.width() + 1, camera.height() + 1, Vector3f::Zero()) {
   parallel_for_each(static_cast<size_t>(corner_bearings_.height), [&](size_t row) {
     for (int x = 0; x < corner_bearings_.width; ++x) {
       const auto y = static_cast<int>(row);
@@ -89,10 +89,9 @@ bool Renderer::bearing(double x, double y, Vector3f* bearing_in_camera) const {
   const auto s = static_cast<float>(x + 0.5 - column);
   const auto t = static_cast<float>(y + 0.5 - row);
   // Within one pixel a bearing is linear to far below a thousandth of a pixel.
-  const Vector3f mixed = (1 - s) * (1 - t) * corner_bearings_.at(column, row) +
-                         s * (1 - t) * corner_bearings_.at(column + 1, row) +
-                         (1 - s) * t * corner_bearings_.at(column, row + 1) +
-                         s * t * corner_bearings_.at(column + 1, row + 1);
+  const Vector3f mixed =
+      (1 - s) * (1 - t) * corner_bearings_.at(column, row) + s * (1 - t) * corner_bearings_.at(column + 1, row) +
+      (1 - s) * t * corner_bearings_.at(column, row + 1) + s * t * corner_bearings_.at(column + 1, row + 1);
   if (mixed.allFinite() && mixed.squaredNorm() > 0.5f) {
     *bearing_in_camera = mixed.normalized();
     return true;
@@ -139,7 +138,7 @@ Vector3f Renderer::sample_cells(const Shot& shot, const RowPose& row_pose, const
       // Instants in strata too, scattered over the cells so that time and place are independent.
       pose = pose_at(shot, y, ((i * 7 + round) % count + random.uniform()) / count - 0.5);
     }
-    Vector3f ray;
+    Vector3f ray = Vector3f::Zero();
     Vector3f value = Vector3f::Zero();
     if (bearing(px, py, &ray)) value = radiance(pose, bodies, ray);
     value = value.cwiseMin(8.0f);
@@ -176,7 +175,8 @@ ColorImage Renderer::render(const Shot& shot) const {
   parallel_for_each(static_cast<size_t>(camera_.height()),
                     [&](size_t row) { render_row(shot, static_cast<int>(row), &linear); });
   Random shot_random(hash_seed(shot.seed, 0xE1));
-  const float gain = auto_exposure(linear) * static_cast<float>(std::exp(options_.exposure_sigma * shot_random.normal()));
+  const float gain =
+      auto_exposure(linear) * static_cast<float>(std::exp(options_.exposure_sigma * shot_random.normal()));
   ColorImage image(camera_.width(), camera_.height());
   parallel_for_chunks(linear.pixels.size(), 65536, [&](size_t begin, size_t end) {
     Random random(hash_seed(shot.seed, 0xA5, begin));
@@ -184,8 +184,10 @@ ColorImage Renderer::render(const Shot& shot) const {
       for (int k = 0; k < 3; ++k) {
         const float value = to_srgb(gain * linear.pixels[i][k]);
         // Shot noise, flattened by the gamma curve, plus what the electronics add.
-        const double noise = options_.noise_grey * random.normal() * (0.6 + 0.8 * std::sqrt(value * (1.0f - 0.5f * value)));
-        image.pixels[i][static_cast<size_t>(k)] = static_cast<uint8_t>(std::clamp(255.0 * value + noise + 0.5, 0.0, 255.0));
+        const double noise =
+            options_.noise_grey * random.normal() * (0.6 + 0.8 * std::sqrt(value * (1.0f - 0.5f * value)));
+        image.pixels[i][static_cast<size_t>(k)] =
+            static_cast<uint8_t>(std::clamp(255.0 * value + noise + 0.5, 0.0, 255.0));
       }
     }
   });
@@ -214,7 +216,7 @@ double Renderer::moving_share(const Shot& shot, int step) const {
     const RowPose pose = pose_at(shot, y, 0.0);
     const BodyPoses bodies = body_poses(tracer_.scene(), row_time(shot, y));
     for (int x = step / 2; x < camera_.width(); x += step) {
-      Vector3f ray;
+      Vector3f ray = Vector3f::Zero();
       ++total;
       if (!bearing(x, y, &ray)) continue;
       const auto hit = tracer_.trace(pose.origin, pose.map_from_camera * ray, bodies);

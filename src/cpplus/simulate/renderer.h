@@ -62,15 +62,15 @@ class Renderer {
 
  private:
   struct RowPose {
-    Eigen::Matrix3f map_from_camera;
-    Eigen::Vector3f origin;
-    double time_s;
+    Eigen::Matrix3f map_from_camera = Eigen::Matrix3f::Identity();
+    Eigen::Vector3f origin = Eigen::Vector3f::Zero();
   };
 
   RowPose pose_at(const Shot& shot, double row, double shutter) const;
   bool bearing(double x, double y, Eigen::Vector3f* bearing_in_camera) const;
   double row_time(const Shot& shot, double row) const;
-  Eigen::Vector3f radiance(const RowPose& pose, const BodyPoses& bodies, const Eigen::Vector3f& bearing_in_camera) const;
+  Eigen::Vector3f radiance(const RowPose& pose, const BodyPoses& bodies,
+                           const Eigen::Vector3f& bearing_in_camera) const;
   void render_row(const Shot& shot, int row, Image<Eigen::Vector3f>* linear) const;
   Eigen::Vector3f sample_cells(const Shot& shot, const RowPose& pose, const BodyPoses& bodies, int x, int y, int side,
                                int round, float* contrast) const;

@@ -99,7 +99,8 @@ void furnish_room(SceneDraft& draft, const Room& room, const FurnishOptions& opt
     if (options.rug) add_rug(draft, middle, length + 1.0, 1.7);
     add_table(draft, middle * placed_at({0, 0, options.rug ? 0.0075 : 0.0}, 0.0), length, 0.8);
     for (const double side : {-1.0, 1.0}) {
-      const Rigid3 seat = placed_at({draft.pick(-0.4, 0.4), side * draft.pick(0.5, 0.75), 0.0075}, side > 0 ? M_PI : 0.0);
+      const Rigid3 seat =
+          placed_at({draft.pick(-0.4, 0.4), side * draft.pick(0.5, 0.75), 0.0075}, side > 0 ? M_PI : 0.0);
       if (draft.chance(0.8)) add_chair(draft, middle * seat * placed_at({0, 0, 0}, draft.pick(-0.4, 0.4)));
     }
   }
@@ -118,7 +119,8 @@ void furnish_room(SceneDraft& draft, const Room& room, const FurnishOptions& opt
     const auto ends = room.wall(corner);
     const Vector2d into = (center - ends[0]).normalized();
     const Vector2d position = ends[0] + 1.1 * inset * into;
-    add_checkerboard(draft, placed_at({position.x(), position.y(), 0.0}, std::atan2(into.y(), into.x()) - 0.5 * M_PI), draft.pick(0.0, 0.2), 0.0);
+    add_checkerboard(draft, placed_at({position.x(), position.y(), 0.0}, std::atan2(into.y(), into.x()) - 0.5 * M_PI),
+                     draft.pick(0.0, 0.2), 0.0);
   }
   for (int i = 0; i < options.plants; ++i) {
     const auto ends = room.wall(static_cast<int>(draft.random.below(4)));
@@ -135,7 +137,8 @@ void add_structure(SceneDraft& draft, const Room& room) {
   for (int corner = 0; corner < 4; ++corner) {
     if (!draft.chance(0.5)) continue;
     const Vector2d at = room.wall(corner)[0];
-    const Vector2d low(at.x() == room.low.x() ? at.x() : at.x() - column, at.y() == room.low.y() ? at.y() : at.y() - column);
+    const Vector2d low(at.x() == room.low.x() ? at.x() : at.x() - column,
+                       at.y() == room.low.y() ? at.y() : at.y() - column);
     draft.builder.add_box({low.x(), low.y(), 0.0}, {low.x() + column, low.y() + column, z}, concrete);
   }
   draft.begin("beam");

@@ -34,7 +34,7 @@ struct MovingBody {
   Mesh mesh;
   std::vector<Eigen::Vector3d> path;  // corners of the way, map frame; walked to and fro at constant speed
   double speed_mps = 1.0;
-  double start_m = 0.0;               // way already made at time 0
+  double start_m = 0.0;                             // way already made at time 0
   Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  // of the swing about the body's y axis, body frame
   double swing_rad = 0.0;
   double swing_hz = 0.0;
@@ -62,7 +62,7 @@ struct Way {
   std::vector<WayPoint> points;
   double speed_mps = 0.9;
   double lidar_height_m = 1.5;
-  double bob_m = 0.015;   // amplitude of the up and down of steps
+  double bob_m = 0.015;     // amplitude of the up and down of steps
   double sway_rad = 0.015;  // amplitude of pitch and roll
 };
 

@@ -65,14 +65,17 @@ Vector3f SceneDraft::pick_color(float low, float high) {
 }
 
 Vector3f SceneDraft::pick_paint() {
-  return pick_of({{0.62f, 0.58f, 0.50f}, {0.55f, 0.60f, 0.58f}, {0.66f, 0.64f, 0.62f}, {0.50f, 0.38f, 0.14f},
-                  {0.40f, 0.50f, 0.60f}, {0.58f, 0.46f, 0.38f}, {0.45f, 0.55f, 0.40f}});
+  return pick_of({{0.62f, 0.58f, 0.50f},
+                  {0.55f, 0.60f, 0.58f},
+                  {0.66f, 0.64f, 0.62f},
+                  {0.50f, 0.38f, 0.14f},
+                  {0.40f, 0.50f, 0.60f},
+                  {0.58f, 0.46f, 0.38f},
+                  {0.45f, 0.55f, 0.40f}});
 }
 
-const Vector3f& SceneDraft::pick_of(const std::vector<Vector3f>& colors) {
-  thread_local Vector3f picked;
-  picked = colors[random.below(colors.size())];
-  return picked;
+Vector3f SceneDraft::pick_of(std::initializer_list<Vector3f> colors) {
+  return *(colors.begin() + random.below(colors.size()));
 }
 
 Rigid3 wall_frame(const Vector2d& a, const Vector2d& b) {
@@ -116,7 +119,8 @@ void add_door(SceneDraft& draft, const Rigid3& wall, const WallOpening& o, doubl
   const double back = -thickness_m - kProud;
   draft.builder.add_box({o.begin_m - kWidth, back, 0.0}, {o.begin_m + 0.01, kProud, o.high_m}, frame);
   draft.builder.add_box({o.end_m - 0.01, back, 0.0}, {o.end_m + kWidth, kProud, o.high_m}, frame);
-  draft.builder.add_box({o.begin_m - kWidth, back, o.high_m - 0.01}, {o.end_m + kWidth, kProud, o.high_m + kWidth}, frame);
+  draft.builder.add_box({o.begin_m - kWidth, back, o.high_m - 0.01}, {o.end_m + kWidth, kProud, o.high_m + kWidth},
+                        frame);
   if (std::isnan(open_rad)) return;
   const Vector3f color = draft.pick_of({{0.35f, 0.20f, 0.10f}, {0.30f, 0.42f, 0.52f}, {0.55f, 0.53f, 0.50f}});
   const uint32_t leaf = draft.material(Pattern::kDoor, color, 0.7f * color);
@@ -139,7 +143,8 @@ void add_window(SceneDraft& draft, const Rigid3& wall, const WallOpening& o, dou
   draft.builder.add_box({o.begin_m + kBar, y0, o.low_m}, {o.end_m - kBar, y1, o.low_m + kBar}, bars);
   draft.builder.add_box({o.begin_m + kBar, y0, o.high_m - kBar}, {o.end_m - kBar, y1, o.high_m}, bars);
   draft.builder.add_box({middle - 0.03, y0, o.low_m + kBar}, {middle + 0.03, y1, o.high_m - kBar}, bars);
-  draft.builder.add_box({o.begin_m - 0.05, -0.3 * thickness_m, o.low_m - 0.03}, {o.end_m + 0.05, 0.10, o.low_m + 0.005}, bars);
+  draft.builder.add_box({o.begin_m - 0.05, -0.3 * thickness_m, o.low_m - 0.03}, {o.end_m + 0.05, 0.10, o.low_m + 0.005},
+                        bars);
 }
 
 void add_ceiling_lamp(SceneDraft& draft, const Vector3d& position, double yaw_rad, double length_m, double width_m,

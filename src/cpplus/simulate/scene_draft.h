@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ class SceneDraft {
   Eigen::Vector3f pick_color(float low, float high);
   /// A muted paint for walls.
   Eigen::Vector3f pick_paint();
-  const Eigen::Vector3f& pick_of(const std::vector<Eigen::Vector3f>& colors);
+  Eigen::Vector3f pick_of(std::initializer_list<Eigen::Vector3f> colors);
 };
 
 /// A rectangular hole in a wall: along the wall and in height, metres from the wall's start and the floor.

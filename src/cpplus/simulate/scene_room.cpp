@@ -43,7 +43,9 @@ Scene build_room(uint64_t seed) {
 
   const bool tiled = draft.chance(0.5);
   const Eigen::Vector3f floor_color = draft.pick_color(0.2f, 0.45f);
-  const uint32_t floor = draft.material(tiled ? Pattern::kTiles : Pattern::kCarpet, floor_color, tiled ? Eigen::Vector3f(0.3f * floor_color) : Eigen::Vector3f(0.75f * floor_color), tiled ? 0.45f : 0.5f);
+  const uint32_t floor = draft.material(
+      tiled ? Pattern::kTiles : Pattern::kCarpet, floor_color,
+      tiled ? Eigen::Vector3f(0.3f * floor_color) : Eigen::Vector3f(0.75f * floor_color), tiled ? 0.45f : 0.5f);
   const uint32_t ceiling = draft.material(Pattern::kCeilingPanel, {0.65f, 0.65f, 0.63f}, {0.3f, 0.3f, 0.3f}, 0.6f);
   const Vector2d margin(0.2, 0.2);
   add_floor(draft, room.low - margin, room.high + margin, floor);
@@ -54,7 +56,8 @@ Scene build_room(uint64_t seed) {
   style.thickness_m = 0.2;
   style.trim = draft.material(Pattern::kWood, {0.3f, 0.2f, 0.12f}, {0.2f, 0.12f, 0.07f});
   for (int side = 0; side < 4; ++side) {
-    style.material = draft.material(draft.chance(0.3) ? Pattern::kConcrete : Pattern::kPlaster, draft.pick_paint(), {0.2f, 0.2f, 0.2f});
+    style.material = draft.material(draft.chance(0.3) ? Pattern::kConcrete : Pattern::kPlaster, draft.pick_paint(),
+                                    {0.2f, 0.2f, 0.2f});
     const auto ends = room.wall(side);
     add_wall(draft, ends[0], ends[1], room.openings[static_cast<size_t>(side)], style);
   }
@@ -73,10 +76,14 @@ Scene build_room(uint64_t seed) {
   furnish_room(draft, room, furnish);
   const Vector2d size = room.high - room.low;
   for (const double x : {0.3, 0.7}) {
-    add_ceiling_lamp(draft, {x * size.x(), draft.pick(0.2, 0.28) * size.y(), room.height_m - 0.06}, 0.0, 1.2, 0.3, 6.0f);
-    add_ceiling_lamp(draft, {x * size.x(), draft.pick(0.75, 0.8) * size.y(), room.height_m - 0.06}, 0.0, 1.2, 0.3, 6.0f);
+    add_ceiling_lamp(draft, {x * size.x(), draft.pick(0.2, 0.28) * size.y(), room.height_m - 0.06}, 0.0, 1.2, 0.3,
+                     6.0f);
+    add_ceiling_lamp(draft, {x * size.x(), draft.pick(0.75, 0.8) * size.y(), room.height_m - 0.06}, 0.0, 1.2, 0.3,
+                     6.0f);
   }
-  draft.scene.sky.sun_direction = Eigen::Vector3f(1.0f, static_cast<float>(draft.pick(-0.6, 0.6)), static_cast<float>(draft.pick(0.5, 0.9))).normalized();
+  draft.scene.sky.sun_direction =
+      Eigen::Vector3f(1.0f, static_cast<float>(draft.pick(-0.6, 0.6)), static_cast<float>(draft.pick(0.5, 0.9)))
+          .normalized();
   draft.scene.sky.sun_irradiance = {9.0f, 8.5f, 7.5f};
   draft.scene.sky.ambient = Eigen::Vector3f::Constant(0.45f);
   draft.scene.sky.ambient_reach_m = 1.2f;

@@ -82,7 +82,7 @@ struct SimulatedImage {
 struct SimulatedScan {
   double stamp_s = 0.0;
   LidarScan scan;
-  Rigid3 map_from_lidar;       // as an odometry would state it: slightly wrong; the map is made with it
+  Rigid3 map_from_lidar;  // as an odometry would state it: slightly wrong; the map is made with it
   Rigid3 true_map_from_lidar;
 };
 
@@ -93,8 +93,8 @@ struct SimulatedWorld {
   std::vector<SimulatedImage> images;
   std::vector<SimulatedScan> scans;
   PointCloud map;
-  std::vector<uint8_t> map_labels;      // 1 = point of a moving body
-  std::vector<uint32_t> map_scans;      // scan of each map point
+  std::vector<uint8_t> map_labels;  // 1 = point of a moving body
+  std::vector<uint32_t> map_scans;  // scan of each map point
   std::vector<CoarsePoses> coarse;
 };
 

@@ -91,8 +91,8 @@ BodyPoses body_poses(const Scene& scene, double time_s) {
   BodyPoses result;
   for (const MovingBody& body : scene.bodies) {
     const Rigid3 map_from_body = body.map_from_body(time_s);
-    result.poses.push_back({map_from_body.rotation.conjugate().toRotationMatrix().cast<float>(),
-                            map_from_body.translation.cast<float>()});
+    result.poses.push_back(
+        {map_from_body.rotation.conjugate().toRotationMatrix().cast<float>(), map_from_body.translation.cast<float>()});
   }
   return result;
 }

@@ -11,12 +11,12 @@
 namespace cpplus {
 
 struct TraceHit {
-  float range = 0.0f;  // metres
+  float range = 0.0f;                                // metres
   Eigen::Vector3f point = Eigen::Vector3f::Zero();   // map frame
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // outward, map frame
   Eigen::Vector2f uv = Eigen::Vector2f::Zero();      // on the face, metres
   const MeshFace* face = nullptr;
-  int body = -1;       // index in Scene::bodies; -1 = static
+  int body = -1;            // index in Scene::bodies; -1 = static
   uint32_t face_index = 0;  // in its mesh
 };
 

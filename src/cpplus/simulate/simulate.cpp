@@ -1,0 +1,258 @@
+#include "cpplus/simulate/simulate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "cpplus/core/error.h"
+#include "cpplus/core/options.h"
+#include "cpplus/core/parallel.h"
+#include "cpplus/simulate/hash.h"
+#include "cpplus/simulate/map_fit.h"
+
+namespace cpplus {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kRangeStep = 4;
+constexpr double kRangeOffset = 1.5;  // pixel (4 i + 2, 4 j + 2) where the corner of the image is (0, 0)
+constexpr double kMovingShare = 5e-4;
+
+Camera make_camera(const SimulateOptions& options) {
+  const auto model = camera_model_from_name(options.camera);
+  const double width = options.width;
+  const double height = options.height;
+  const double focal = 0.652 * width;
+  // Off the middle, as principal points are.
+  const double cx = 0.5 * width - 0.5 + 0.0032 * width;
+  const double cy = 0.5 * height - 0.5 - 0.006 * height;
+  switch (*model) {
+    case CameraModel::kPinhole:
+      return Camera(*model, options.width, options.height, {focal, focal, cx, cy});
+    case CameraModel::kOpenCv:
+      return Camera(*model, options.width, options.height, {focal, focal, cx, cy, -0.105, 0.032, 0.0007, -0.0005});
+    case CameraModel::kOpenCvFisheye: {
+      const double fisheye_focal = width / M_PI;  // 180 degrees across the width
+      return Camera(*model, options.width, options.height,
+                    {fisheye_focal, fisheye_focal, cx, cy, 0.012, -0.006, 0.001, -0.0002});
+    }
+    default:
+      return Camera(*model, options.width, options.height, {width, height});
+  }
+}
+
+/// The camera looks along the LiDAR's x axis, slightly turned, a hand's breadth below it.
+Rigid3 make_extrinsic(uint64_t seed) {
+  Random random(hash_seed(seed, 0xE7));
+  Eigen::Matrix3d lidar_from_camera;
+  lidar_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Vector3d turn(random.uniform(-0.05, 0.05), random.uniform(-0.03, 0.03), random.uniform(-0.015, 0.015));
+  return Rigid3(Eigen::Matrix3d(lidar_from_camera * so3_exp(turn)),
+                Vector3d(random.uniform(0.05, 0.1), random.uniform(-0.03, 0.03), random.uniform(-0.13, -0.08)));
+}
+
+/// For a LiDAR that stands: the camera wanders within arm's reach of the start and looks the same way.
+Way standing_way(const Way& way, uint64_t seed) {
+  Random random(hash_seed(seed, 0x57));
+  Way standing = way;
+  const WayPoint start = way.points.front();
+  standing.points.clear();
+  for (int i = 0; i < 12; ++i) {
+    WayPoint point = start;
+    point.position += 0.35 * Eigen::Vector2d(std::sin(1.1 * i), std::sin(1.7 * i + 0.4));
+    point.yaw_rad += random.uniform(-0.2, 0.2);
+    standing.points.push_back(point);
+  }
+  standing.speed_mps = 0.4;
+  return standing;
+}
+
+/// `count` instants spread evenly over the middle of the way, each moved a little.
+std::vector<double> spread_stamps(int count, double duration_s, double jitter, uint64_t seed) {
+  Random random(seed);
+  std::vector<double> stamps;
+  for (int i = 0; i < count; ++i) {
+    const double share = (i + 0.5 + jitter * random.uniform(-0.5, 0.5)) / count;
+    stamps.push_back(duration_s * (0.03 + 0.94 * share));
+  }
+  return stamps;
+}
+
+std::vector<SimulatedScan> take_scans(const Tracer& tracer, const Path& path, const SimulateOptions& options) {
+  const auto seed = static_cast<uint64_t>(options.seed);
+  const SmoothNoise jitter(hash_seed(seed, 0x71), 4.0, 25.0);
+  const double rotation = options.scan_pose_sigma_deg * M_PI / 180.0;
+  // A standing LiDAR is tracked better.
+  const double scale = options.standing ? 0.4 : 1.0;
+  const std::vector<double> stamps = options.standing
+                                         ? spread_stamps(options.scans, options.scans, 0.0, hash_seed(seed, 0x5C))
+                                         : spread_stamps(options.scans, path.duration_s(), 0.0, hash_seed(seed, 0x5C));
+  std::vector<SimulatedScan> scans;
+  for (int i = 0; i < options.scans; ++i) {
+    SimulatedScan scan;
+    scan.stamp_s = stamps[static_cast<size_t>(i)];
+    scan.true_map_from_lidar = path.map_from_lidar(options.standing ? 0.0 : scan.stamp_s);
+    const Vector6d noise = scale * jitter.at(scan.stamp_s);
+    scan.map_from_lidar = scan.true_map_from_lidar;
+    scan.map_from_lidar.rotation =
+        scan.map_from_lidar.rotation * Eigen::Quaterniond(so3_exp(rotation * noise.head<3>()));
+    scan.map_from_lidar.translation += options.scan_pose_sigma_m * noise.tail<3>();
+    scan.scan = fire_scan(tracer, scan.true_map_from_lidar, scan.stamp_s, i, hash_seed(seed, 0x11), options.lidar);
+    scans.push_back(std::move(scan));
+  }
+  return scans;
+}
+
+/// All scans at their stated poses, the first point of each voxel.
+void accumulate_map(const std::vector<SimulatedScan>& scans, double voxel_m, SimulatedWorld* world) {
+  std::unordered_set<uint64_t> taken;
+  for (size_t s = 0; s < scans.size(); ++s) {
+    const LidarScan& scan = scans[s].scan;
+    for (size_t i = 0; i < scan.points.size(); ++i) {
+      const Vector3d point = scans[s].map_from_lidar * scan.points.point(i);
+      uint64_t key = 0;
+      for (int k = 0; k < 3; ++k) {
+        key = (key << 21) | (static_cast<uint64_t>(static_cast<int64_t>(std::floor(point[k] / voxel_m))) & 0x1fffffu);
+      }
+      if (!taken.insert(key).second) continue;
+      world->map.positions.push_back(point.cast<float>());
+      world->map.intensities.push_back(scan.points.intensities[i]);
+      world->map_labels.push_back(scan.labels[i]);
+      world->map_scans.push_back(static_cast<uint32_t>(s));
+    }
+  }
+}
+
+/// Static map points that an image sees, spread evenly over it, with their undisplaced places.
+std::vector<DisplacedPoint> seen_points(const Tracer& tracer, const SimulatedWorld& world,
+                                        const std::vector<Rigid3>& truth_from_map, const Rigid3& camera_from_map) {
+  constexpr int kCellsAcross = 32;
+  constexpr int kPerCell = 8;
+  constexpr size_t kMaxTried = 60000;
+  const Camera& camera = world.camera;
+  const double cell = static_cast<double>(camera.width()) / kCellsAcross;
+  const int rows = static_cast<int>(std::ceil(camera.height() / cell));
+  std::vector<int> taken(static_cast<size_t>(kCellsAcross * rows), 0);
+  std::vector<DisplacedPoint> points;
+  const Vector3d center = camera_center(camera_from_map);
+  const size_t stride = std::max<size_t>(1, world.map.size() / kMaxTried);
+  for (size_t i = 0; i < world.map.size(); i += stride) {
+    if (world.map_labels[i] != 0) continue;
+    const DisplacedPoint point = {truth_from_map[world.map_scans[i]] * world.map.point(i), world.map.point(i)};
+    const auto pixel = camera.project(camera_from_map * point.x_in_truth);
+    if (!pixel || !camera.in_image(*pixel)) continue;
+    int& count = taken[static_cast<size_t>(static_cast<int>(pixel->y() / cell) * kCellsAcross +
+                                           static_cast<int>(pixel->x() / cell))];
+    if (count >= kPerCell) continue;
+    const Vector3d ray = point.x_in_truth - center;
+    const double range = ray.norm();
+    const double slack = 0.05 + 0.01 * range;
+    const auto hit = tracer.trace_static(center.cast<float>(), (ray / range).cast<float>());
+    if (!hit || std::abs(hit->range - range) > slack) continue;
+    ++count;
+    points.push_back(point);
+  }
+  return points;
+}
+
+/// Which images a jolt blurs: spread over the sequence.
+std::vector<Shot> plan_shots(const Path& path, const SimulateOptions& options) {
+  const auto seed = static_cast<uint64_t>(options.seed);
+  std::vector<Shot> shots;
+  for (const double stamp : spread_stamps(options.images, path.duration_s(), 0.3, hash_seed(seed, 0x1A))) {
+    Shot shot;
+    shot.stamp_s = stamp;
+    shot.seed = hash_seed(seed, 0x1B, shots.size());
+    shots.push_back(shot);
+  }
+  Random random(hash_seed(seed, 0x1C));
+  for (int i = 0; i < options.blurred; ++i) {
+    const int index = std::min(options.images - 1,
+                               static_cast<int>((i + random.uniform(0.3, 0.7)) * options.images / options.blurred));
+    Shot& shot = shots[static_cast<size_t>(index)];
+    shot.blur_px = options.width / 1024.0 * random.uniform(13.0, 24.0);
+    shot.blur_direction_rad = random.uniform(-0.8, 0.8);
+  }
+  return shots;
+}
+
+void take_images(const Tracer& tracer, const Path& path, const SimulateOptions& options, SimulatedWorld* world) {
+  const SoftLight light(tracer, world->scene.light_cell_m);
+  const Renderer renderer(tracer, light, world->camera, path, world->lidar_from_camera, options.render);
+  for (const Shot& shot : plan_shots(path, options)) {
+    SimulatedImage image;
+    image.name = fmt::format("{:06d}.jpg", world->images.size());
+    image.stamp_s = shot.stamp_s;
+    image.camera_from_map = renderer.camera_from_map(shot.stamp_s);
+    image.pixels = renderer.render(shot);
+    image.range = renderer.range(shot, kRangeStep, kRangeOffset);
+    image.blur_px = shot.blur_px;
+    image.blur_direction_rad = shot.blur_direction_rad;
+    image.shows_moving = renderer.moving_share(shot, 8) > kMovingShare;
+    world->images.push_back(std::move(image));
+  }
+}
+
+void fit_images_to_map(const Tracer& tracer, SimulatedWorld* world) {
+  std::vector<Rigid3> truth_from_map;
+  for (const SimulatedScan& scan : world->scans) {
+    truth_from_map.push_back(scan.true_map_from_lidar * inverse(scan.map_from_lidar));
+  }
+  parallel_for_each(world->images.size(), [&](size_t i) {
+    SimulatedImage& image = world->images[i];
+    image.on_map_camera_from_map = fit_pose_to_map(world->camera, image.camera_from_map,
+                                                   seen_points(tracer, *world, truth_from_map, image.camera_from_map));
+  });
+}
+
+}  // namespace
+
+void SimulateOptions::validate() const {
+  if (std::find(scene_names().begin(), scene_names().end(), scene) == scene_names().end()) {
+    throw UsageError("option scene must be room, rooms, hall, street or corridor, got " + scene);
+  }
+  if (camera != "PINHOLE" && camera != "OPENCV" && camera != "OPENCV_FISHEYE" && camera != "EQUIRECTANGULAR") {
+    throw UsageError("option camera must be PINHOLE, OPENCV, OPENCV_FISHEYE or EQUIRECTANGULAR, got " + camera);
+  }
+  check_option(width >= 16 && width <= 16384, "width", "[16, 16384]", width);
+  check_option(height >= 16 && height <= 16384, "height", "[16, 16384]", height);
+  check_option(images >= 1 && images <= 100000, "images", "[1, 100000]", images);
+  check_option(blurred >= 0 && blurred <= images, "blurred", "[0, images]", blurred);
+  check_option(scans >= 1 && scans <= 100000, "scans", "[1, 100000]", scans);
+  check_option(scan_pose_sigma_m >= 0.0 && scan_pose_sigma_m <= 1.0, "scan_pose_sigma_m", "[0, 1]", scan_pose_sigma_m);
+  check_option(scan_pose_sigma_deg >= 0.0 && scan_pose_sigma_deg <= 10.0, "scan_pose_sigma_deg", "[0, 10]",
+               scan_pose_sigma_deg);
+  check_option(map_voxel_m > 0.0 && map_voxel_m <= 1.0, "map_voxel_m", "(0, 1]", map_voxel_m);
+  lidar.validate();
+  render.validate();
+}
+
+SimulatedWorld simulate_world(const SimulateOptions& options) {
+  options.validate();
+  const auto seed = static_cast<uint64_t>(options.seed);
+  SimulatedWorld world;
+  world.scene = build_scene(options.scene, seed);
+  if (!options.moving) world.scene.bodies.clear();
+  world.camera = make_camera(options);
+  world.lidar_from_camera = make_extrinsic(seed);
+  const Path path(options.standing ? standing_way(world.scene.way, seed) : world.scene.way);
+  const Tracer tracer(world.scene);
+
+  world.scans = take_scans(tracer, path, options);
+  accumulate_map(world.scans, options.map_voxel_m, &world);
+  take_images(tracer, path, options, &world);
+  fit_images_to_map(tracer, &world);
+
+  std::vector<double> stamps;
+  for (const SimulatedImage& image : world.images) stamps.push_back(image.stamp_s);
+  const auto camera_at = [&](double time_s) { return inverse(path.map_from_lidar(time_s) * world.lidar_from_camera); };
+  for (const CoarseOptions& level : standard_coarse_levels(seed)) {
+    world.coarse.push_back(make_coarse_poses(camera_at, stamps, level));
+  }
+  return world;
+}
+
+}  // namespace cpplus

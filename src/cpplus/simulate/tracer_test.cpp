@@ -1,0 +1,56 @@
+#include "cpplus/simulate/tracer.h"
+
+#include <gtest/gtest.h>
+
+#include "cpplus/simulate/test_scene.h"
+
+namespace cpplus {
+namespace {
+
+using Eigen::Vector3f;
+
+TEST(Tracer, RangeToAKnownWallIsExact) {
+  const Scene scene = wall_and_square();
+  const Tracer tracer(scene);
+  const auto square = tracer.trace_static(Vector3f::Zero(), Vector3f::UnitX());
+  ASSERT_TRUE(square.has_value());
+  EXPECT_NEAR(square->range, 2.0f, 1e-6f);
+  EXPECT_EQ(square->face->object, 1u);
+  EXPECT_NEAR(square->uv.x(), 0.5f, 1e-6f);
+  EXPECT_NEAR(square->uv.y(), 0.5f, 1e-6f);
+  // 45 degrees to the left passes the square and meets the wall at 3 sqrt(2).
+  const auto wall = tracer.trace_static(Vector3f::Zero(), Vector3f(1, 1, 0).normalized());
+  ASSERT_TRUE(wall.has_value());
+  EXPECT_NEAR(wall->range, 3.0f * std::sqrt(2.0f), 1e-5f);
+  EXPECT_TRUE(wall->normal.isApprox(Vector3f(-1, 0, 0), 1e-6f));
+  EXPECT_FALSE(tracer.trace_static(Vector3f::Zero(), -Vector3f::UnitX()).has_value());
+}
+
+TEST(Tracer, OcclusionStopsAtTheGivenRange) {
+  const Scene scene = wall_and_square();
+  const Tracer tracer(scene);
+  EXPECT_TRUE(tracer.occluded_static(Vector3f::Zero(), Vector3f::UnitX(), 2.1f));
+  EXPECT_FALSE(tracer.occluded_static(Vector3f::Zero(), Vector3f::UnitX(), 1.9f));
+}
+
+TEST(Tracer, AMovingBodyIsMetWhereItIsAtThatInstant) {
+  Scene scene = wall_and_square();
+  MovingBody body;
+  MeshBuilder(&body.mesh).add_box({-0.1, -0.1, -1.0}, {0.1, 0.1, 1.0}, 0);
+  body.path = {{1.0, -2.0, 0.0}, {1.0, 2.0, 0.0}};
+  body.speed_mps = 1.0;
+  scene.bodies.push_back(body);
+  const Tracer tracer(scene);
+  const auto before = tracer.trace(Vector3f::Zero(), Vector3f::UnitX(), body_poses(scene, 0.0));
+  const auto during = tracer.trace(Vector3f::Zero(), Vector3f::UnitX(), body_poses(scene, 2.0));
+  ASSERT_TRUE(before && during);
+  EXPECT_EQ(before->body, -1);
+  EXPECT_NEAR(before->range, 2.0f, 1e-6f);
+  EXPECT_EQ(during->body, 0);
+  EXPECT_NEAR(during->range, 0.9f, 1e-5f);
+  EXPECT_TRUE(tracer.occluded(Vector3f::Zero(), Vector3f::UnitX(), 1.5f, body_poses(scene, 2.0)));
+  EXPECT_FALSE(tracer.occluded(Vector3f::Zero(), Vector3f::UnitX(), 1.5f, body_poses(scene, 0.0)));
+}
+
+}  // namespace
+}  // namespace cpplus
