@@ -11,40 +11,21 @@
 #include <vector>
 
 #include "cpplus/core/options.h"
+#include "cpplus/features/image_gradient.h"
 
 namespace cpplus {
 namespace {
 
-// The blurred image keeps 1/16 grey level: rounding to whole levels doubles the position error on weak edges. Sobel's
-// kernel adds a factor of 8 to the gradient, and all stays within 16 bits.
-constexpr double kBlurGain = 16.0;
-constexpr float kGradientGain = 16.0f * 8.0f;
-
-struct Gradient {
-  cv::Mat dx;  // CV_16S, kGradientGain * grey levels per pixel
-  cv::Mat dy;
-};
-
-Gradient blurred_gradient(const GrayImage& image, double sigma_px) {
-  const cv::Mat gray(image.height, image.width, CV_8U, const_cast<uint8_t*>(image.pixels.data()));
-  const int kernel_size = 2 * static_cast<int>(std::ceil(3.0 * sigma_px)) + 1;
-  const cv::Mat kernel = cv::getGaussianKernel(kernel_size, sigma_px, CV_32F) * std::sqrt(kBlurGain);
-  cv::Mat blurred;
-  cv::sepFilter2D(gray, blurred, CV_16S, kernel, kernel);
-  Gradient gradient;
-  cv::Sobel(blurred, gradient.dx, CV_16S, 1, 0);
-  cv::Sobel(blurred, gradient.dy, CV_16S, 0, 1);
-  return gradient;
-}
+constexpr float kGradientGain = ImageGradient::kUnitsPerLevel;
 
 /// Distribution of the gradient's magnitude over every second pixel of every second row.
 class GradientHistogram {
  public:
-  explicit GradientHistogram(const Gradient& gradient) : counts_(kBins, 0) {
-    std::vector<uint16_t> bins(static_cast<size_t>(gradient.dx.cols / 2));
-    for (int y = 0; y < gradient.dx.rows; y += 2) {
-      const int16_t* dx = gradient.dx.ptr<int16_t>(y);
-      const int16_t* dy = gradient.dy.ptr<int16_t>(y);
+  explicit GradientHistogram(const ImageGradient& gradient) : counts_(kBins, 0) {
+    std::vector<uint16_t> bins(static_cast<size_t>(gradient.width / 2));
+    for (int y = 0; y < gradient.height; y += 2) {
+      const int16_t* dx = &gradient.dx[gradient.index(0, y)];
+      const int16_t* dy = &gradient.dy[gradient.index(0, y)];
       for (size_t i = 0; i < bins.size(); ++i) {
         const float gx = dx[2 * i];
         const float gy = dy[2 * i];
@@ -74,7 +55,7 @@ class GradientHistogram {
   size_t total_ = 0;
 };
 
-double strong_threshold(const Gradient& gradient, const ImageEdgeOptions& options) {
+double strong_threshold(const ImageGradient& gradient, const ImageEdgeOptions& options) {
   const GradientHistogram histogram(gradient);
   // Of pure noise the magnitude has Rayleigh's distribution, whose q-quantile is sigma * sqrt(-2 ln(1 - q)).
   constexpr double kSmoothShare = 0.2;
@@ -156,12 +137,12 @@ inline float fast_log2(float value) {
 }
 
 /// log2 of the squared gradient at (x, y) and its eight neighbours, row by row.
-std::array<float, 12> log_gradient_3x3(const Gradient& gradient, int x, int y) {
+std::array<float, 12> log_gradient_3x3(const ImageGradient& gradient, int x, int y) {
   std::array<float, 12> dx{};  // nine, filled up to whole vectors
   std::array<float, 12> dy{};
   for (int row = 0; row < 3; ++row) {
-    const int16_t* dx_row = gradient.dx.ptr<int16_t>(y + row - 1) + x - 1;
-    const int16_t* dy_row = gradient.dy.ptr<int16_t>(y + row - 1) + x - 1;
+    const int16_t* dx_row = &gradient.dx[gradient.index(x - 1, y + row - 1)];
+    const int16_t* dy_row = &gradient.dy[gradient.index(x - 1, y + row - 1)];
     for (int column = 0; column < 3; ++column) {
       dx[3 * row + column] = dx_row[column];
       dy[3 * row + column] = dy_row[column];
@@ -173,7 +154,7 @@ std::array<float, 12> log_gradient_3x3(const Gradient& gradient, int x, int y) {
 }
 
 /// The edgel of an edge pixel; nothing where log |gradient| has no maximum across the edge within one pixel.
-std::optional<ImageEdgel> locate(const Gradient& gradient, int x, int y) {
+std::optional<ImageEdgel> locate(const ImageGradient& gradient, int x, int y) {
   const std::array<float, 12> f = log_gradient_3x3(gradient, x, y);
   // Least-squares quadratic: first and second differences averaged over the three rows or columns.
   const float left = f[0] + f[3] + f[6];
@@ -186,7 +167,8 @@ std::optional<ImageEdgel> locate(const Gradient& gradient, int x, int y) {
   const float fyy = (above + below - 2.0f * (f[3] + f[4] + f[5])) / 3.0f;
   const float fxy = (f[0] + f[8] - f[2] - f[6]) / 4.0f;
 
-  const Eigen::Vector2f d(gradient.dx.at<int16_t>(y, x), gradient.dy.at<int16_t>(y, x));
+  const size_t center = gradient.index(x, y);
+  const Eigen::Vector2f d(gradient.dx[center], gradient.dy[center]);
   const float magnitude = d.norm();
   const Eigen::Vector2f normal = d / magnitude;
   const float slope = fx * normal.x() + fy * normal.y();
@@ -221,11 +203,12 @@ ImageEdges detect_image_edges(const GrayImage& image, const ImageEdgeOptions& op
   const int margin = static_cast<int>(std::ceil(2.0 * options.sigma_px)) + 1;
   if (image.width <= 2 * margin || image.height <= 2 * margin) return edges;
 
-  const Gradient gradient = blurred_gradient(image, options.sigma_px);
-  const double strong = strong_threshold(gradient, options);
+  ImageGradient gradient = blurred_gradient(image, options.sigma_px);
+  const double strong = strong_threshold(gradient, options) * kGradientGain;
+  const cv::Mat dx(image.height, image.width, CV_16S, gradient.dx.data());
+  const cv::Mat dy(image.height, image.width, CV_16S, gradient.dy.data());
   cv::Mat edge_map;
-  cv::Canny(gradient.dx, gradient.dy, edge_map, options.weak_ratio * strong * kGradientGain, strong * kGradientGain,
-            true);
+  cv::Canny(dx, dy, edge_map, options.weak_ratio * strong, strong, true);
 
   EdgeChains chains(edge_map);
   edges.edgels.reserve(chains.pixels().size());

@@ -1,0 +1,235 @@
+#include "cpplus/features/blur.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "cpplus/core/options.h"
+#include "cpplus/features/image_gradient.h"
+
+namespace cpplus {
+namespace {
+
+constexpr int kNumOrientations = 8;
+constexpr double kFineSigmaPx = 1.0;
+constexpr double kCoarseSigmaHalfPx = 1.5;  // on the image of half size: 3 px
+constexpr double kStrongestShare = 0.3;     // of the edge pixels of an orientation
+constexpr double kSharpnessQuantile = 0.8;  // among those
+constexpr double kNoiseRatio = 1.0;         // least coarse gradient per pixel / noise
+constexpr double kMinCoarseGradient = 0.3;  // grey levels per pixel
+constexpr int kSearchPx = 2;                // the sharp edge may lie beside the coarse one
+
+/// A pixel of the half-size image where the coarse gradient has a maximum across the edge.
+struct CoarseEdge {
+  float x, y;
+  float gradient;            // grey levels per full-size pixel
+  float normal_x, normal_y;  // along the gradient
+};
+
+using EdgesByOrientation = std::array<std::vector<CoarseEdge>, kNumOrientations>;
+
+GrayImage to_image(const cv::Mat& gray) {
+  GrayImage image(gray.cols, gray.rows);
+  cv::Mat target(gray.rows, gray.cols, CV_8U, image.pixels.data());
+  gray.copyTo(target);
+  return image;
+}
+
+/// Histogram equalisation of limited contrast: a grey level counts at most its fair share of the pixels, what is cut
+/// off is spread over all levels. Plain equalisation of an image of few flat surfaces tears their grey values apart,
+/// and with them every smeared edge between them, which then looks sharp.
+cv::Mat equalize(const cv::Mat& gray) {
+  constexpr int kLevels = 256;
+  std::array<uint32_t, kLevels> counts{};
+  for (int y = 0; y < gray.rows; ++y) {
+    const uint8_t* row = gray.ptr<uint8_t>(y);
+    for (int x = 0; x < gray.cols; ++x) ++counts[row[x]];
+  }
+  const double fair_share = static_cast<double>(gray.total()) / kLevels;
+  std::array<double, kLevels> shares;
+  double kept = 0.0;
+  for (int level = 0; level < kLevels; ++level) {
+    shares[level] = std::min(counts[level] / fair_share, 1.0);
+    kept += shares[level];
+  }
+  const double spread = (kLevels - kept) / (kLevels - 1);  // on every level but the darkest, which becomes 0
+  cv::Mat table(1, kLevels, CV_8U);
+  double value = 0.0;
+  for (int level = 0; level < kLevels; ++level) {
+    if (level > 0) value += shares[level] + spread;
+    table.at<uint8_t>(level) = cv::saturate_cast<uint8_t>(value * (kLevels - 1) / (kLevels - shares[0]));
+  }
+  cv::Mat equalized;
+  cv::LUT(gray, table, equalized);
+  return equalized;
+}
+
+/// Reduced to the size limit, of even size, equalised.
+cv::Mat prepare(const GrayImage& image, int max_size_px) {
+  cv::Mat gray(image.height, image.width, CV_8U, const_cast<uint8_t*>(image.pixels.data()));
+  const double scale = static_cast<double>(max_size_px) / std::max(image.width, image.height);
+  cv::Mat reduced = gray;
+  if (scale < 1.0) cv::resize(gray, reduced, cv::Size(), scale, scale, cv::INTER_AREA);
+  return equalize(reduced(cv::Rect(0, 0, reduced.cols / 2 * 2, reduced.rows / 2 * 2)));
+}
+
+/// Standard deviation of the noise, grey levels: the median response to a mask that is blind to planes and to straight
+/// edges along the axes, and whose norm is 6 (Immerkaer 1996). Every second pixel of every second row.
+double noise_level(const cv::Mat& gray) {
+  std::vector<uint32_t> histogram(16 * 256, 0);
+  std::vector<int16_t> columns(static_cast<size_t>(gray.cols));
+  size_t total = 0;
+  for (int y = 1; y + 1 < gray.rows; y += 2) {
+    const uint8_t* above = gray.ptr<uint8_t>(y - 1);
+    const uint8_t* row = gray.ptr<uint8_t>(y);
+    const uint8_t* below = gray.ptr<uint8_t>(y + 1);
+    for (int x = 0; x < gray.cols; ++x) columns[x] = static_cast<int16_t>(above[x] - 2 * row[x] + below[x]);
+    for (int x = 1; x + 1 < gray.cols; x += 2, ++total) {
+      ++histogram[static_cast<size_t>(std::abs(columns[x - 1] - 2 * columns[x] + columns[x + 1]))];
+    }
+  }
+  size_t below = 0;
+  size_t median = 0;
+  while (below + histogram[median] <= total / 2) below += histogram[median++];
+  constexpr double kMedianOfAbsNormal = 0.6745;
+  return static_cast<double>(median) / kMedianOfAbsNormal / 6.0;
+}
+
+/// Bilinear; the point must lie inside.
+float sample(const cv::Mat& gray, float x, float y) {
+  const auto column = static_cast<int>(x);
+  const auto row = static_cast<int>(y);
+  const float a = x - static_cast<float>(column);
+  const float b = y - static_cast<float>(row);
+  const uint8_t* upper = gray.ptr<uint8_t>(row) + column;
+  const uint8_t* lower = upper + gray.step;
+  return (1.0f - b) * ((1.0f - a) * upper[0] + a * upper[1]) + b * ((1.0f - a) * lower[0] + a * lower[1]);
+}
+
+/// Largest gradient of the finely blurred image along the edge's normal, near the edge; grey levels per pixel.
+float fine_gradient(const cv::Mat& fine, const CoarseEdge& edge) {
+  constexpr int kNumSamples = 2 * kSearchPx + 3;
+  std::array<float, kNumSamples> profile;
+  for (int k = 0; k < kNumSamples; ++k) {
+    const auto offset = static_cast<float>(k - kSearchPx - 1);
+    // Pixel (0, 0) of the half-size image covers (0, 0) to (1, 1) of the full size.
+    profile[k] =
+        sample(fine, 2.0f * edge.x + 0.5f + offset * edge.normal_x, 2.0f * edge.y + 0.5f + offset * edge.normal_y);
+  }
+  float largest = 0.0f;
+  for (int k = 1; k + 1 < kNumSamples; ++k) largest = std::max(largest, 0.5f * (profile[k + 1] - profile[k - 1]));
+  return largest;
+}
+
+/// Is the squared gradient at (x, y) a maximum across the edge? Compared with the neighbours nearest to the gradient's
+/// direction among four.
+bool is_maximum(const std::vector<float>& squared, const ImageGradient& gradient, int x, int y) {
+  const size_t i = gradient.index(x, y);
+  const float dx = gradient.dx[i];
+  const float dy = gradient.dy[i];
+  constexpr float kTan22 = 0.41421356f;
+  const auto width = static_cast<size_t>(gradient.width);
+  size_t step = 0;
+  if (std::abs(dy) <= kTan22 * std::abs(dx)) {
+    step = 1;
+  } else if (std::abs(dx) <= kTan22 * std::abs(dy)) {
+    step = width;
+  } else {
+    step = (dx > 0) == (dy > 0) ? width + 1 : width - 1;
+  }
+  return squared[i] > squared[i - step] && squared[i] >= squared[i + step];
+}
+
+/// Does the edge belong to the black frame of a fisheye image, which no motion blurs? The darkest grey of an equalised
+/// image is 0; it has to go on for a while on the dark side.
+bool at_black_frame(const cv::Mat& gray, const CoarseEdge& edge) {
+  constexpr int kBlack = 4;
+  for (const float distance : {6.0f, 9.0f, 12.0f}) {
+    const int x = std::clamp(static_cast<int>(2.0f * edge.x - distance * edge.normal_x), 0, gray.cols - 1);
+    const int y = std::clamp(static_cast<int>(2.0f * edge.y - distance * edge.normal_y), 0, gray.rows - 1);
+    if (gray.at<uint8_t>(y, x) > kBlack) return false;
+  }
+  return true;
+}
+
+EdgesByOrientation find_coarse_edges(const ImageGradient& coarse, const cv::Mat& gray) {
+  constexpr int kMargin = 4;
+  // The coarse gradient was taken per pixel of the half-size image.
+  constexpr float kCoarseUnits = 2.0f * ImageGradient::kUnitsPerLevel;
+  constexpr auto kLeast = static_cast<float>(kMinCoarseGradient) * kCoarseUnits;
+  std::vector<float> squared(coarse.dx.size());
+  for (size_t i = 0; i < squared.size(); ++i) {
+    const float dx = coarse.dx[i];
+    const float dy = coarse.dy[i];
+    squared[i] = dx * dx + dy * dy;
+  }
+  EdgesByOrientation edges;
+  for (int y = kMargin; y < coarse.height - kMargin; ++y) {
+    for (int x = kMargin; x < coarse.width - kMargin; ++x) {
+      const size_t i = coarse.index(x, y);
+      if (squared[i] < kLeast * kLeast || !is_maximum(squared, coarse, x, y)) continue;
+      const float magnitude = std::sqrt(squared[i]);
+      const float normal_x = coarse.dx[i] / magnitude;
+      const float normal_y = coarse.dy[i] / magnitude;
+      const double turns = std::atan2(normal_y, normal_x) / M_PI + 1.0 + 0.5 / kNumOrientations;
+      const auto orientation = static_cast<size_t>(turns * kNumOrientations) % kNumOrientations;
+      const CoarseEdge edge{static_cast<float>(x), static_cast<float>(y), magnitude / kCoarseUnits, normal_x, normal_y};
+      if (!at_black_frame(gray, edge)) edges[orientation].push_back(edge);
+    }
+  }
+  return edges;
+}
+
+/// Upper quantile of fine / coarse gradient among the strongest edges of one orientation; 0 when there are too few.
+double sharpness_of(std::vector<CoarseEdge>* edges, const cv::Mat& fine, double least_gradient, int min_edges) {
+  const auto strongest = static_cast<size_t>(kStrongestShare * static_cast<double>(edges->size()));
+  std::nth_element(edges->begin(), edges->begin() + static_cast<long>(strongest), edges->end(),
+                   [](const CoarseEdge& a, const CoarseEdge& b) { return a.gradient > b.gradient; });
+  std::vector<float> values;
+  for (size_t i = 0; i < strongest; ++i) {
+    const CoarseEdge& edge = (*edges)[i];
+    if (edge.gradient >= least_gradient) values.push_back(fine_gradient(fine, edge) / edge.gradient);
+  }
+  if (values.empty() || values.size() < static_cast<size_t>(min_edges)) return 0.0;
+  const auto at = values.begin() + static_cast<long>(kSharpnessQuantile * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+void BlurOptions::validate() const {
+  check_option(min_sharpness >= 1.0 && min_sharpness <= 3.0, "min_sharpness", "[1, 3]", min_sharpness);
+  check_option(max_size_px >= 64, "max_size_px", "[64, inf)", max_size_px);
+  check_option(min_edges >= 1, "min_edges", "[1, inf)", min_edges);
+}
+
+BlurResult measure_blur(const GrayImage& image, const BlurOptions& options) {
+  options.validate();
+  BlurResult result;
+  constexpr int kMinSize = 32;
+  if (std::min(image.width, image.height) < kMinSize) return result;
+  const cv::Mat gray = prepare(image, options.max_size_px);
+  if (std::min(gray.cols, gray.rows) < kMinSize) return result;
+  cv::Mat half;
+  cv::resize(gray, half, cv::Size(gray.cols / 2, gray.rows / 2), 0, 0, cv::INTER_AREA);
+  EdgesByOrientation edges = find_coarse_edges(blurred_gradient(to_image(half), kCoarseSigmaHalfPx), gray);
+  cv::Mat fine;
+  cv::GaussianBlur(gray, fine, cv::Size(), kFineSigmaPx);
+  const double least_gradient = kNoiseRatio * noise_level(gray);
+  for (int i = 0; i < kNumOrientations; ++i) {
+    const double sharpness = sharpness_of(&edges[i], fine, least_gradient, options.min_edges);
+    if (sharpness == 0.0) continue;
+    ++result.num_orientations;
+    if (result.num_orientations > 1 && sharpness >= result.sharpness) continue;
+    result.sharpness = sharpness;
+    result.direction_deg = 180.0 * i / kNumOrientations;
+  }
+  result.blurred = result.num_orientations > 0 && result.sharpness < options.min_sharpness;
+  return result;
+}
+
+}  // namespace cpplus
