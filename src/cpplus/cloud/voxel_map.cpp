@@ -99,15 +99,12 @@ VoxelStatistics VoxelMap::statistics(int layer, uint32_t node) const {
 Eigen::Vector3i VoxelMap::key(int layer, uint32_t node) const {
   if (layer == 0) return arrays_.root_keys[node];
   // Any point of the node knows its key, which need not be stored.
-  const Eigen::Vector3f& position = arrays_.positions[points_begin(layer, node)];
-  return shift_down(VoxelGrid::cell_of(grid_.scaled(position)), leaf_layer() - layer);
+  return key_of(layer, point(points_begin(layer, node)));
 }
 
 Eigen::Vector3i VoxelMap::key_of(int layer, const Eigen::Vector3d& x_in_map) const {
   // From the leaf's key, so that rounding at a border is the same in every layer.
-  constexpr double limit = max_cell;
-  const Eigen::Vector3d scaled = (x_in_map * grid_.leaves_per_m).cwiseMax(-limit).cwiseMin(limit);
-  return shift_down(VoxelGrid::cell_of(scaled), leaf_layer() - layer);
+  return shift_down(grid_.cell_of(x_in_map), leaf_layer() - layer);
 }
 
 uint32_t VoxelMap::find_root(const Eigen::Vector3i& key) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
 
 #include "cpplus/cloud/voxel_map_grid.h"
 #include "cpplus/cloud/voxel_map_sort.h"
@@ -63,7 +64,7 @@ struct LayerNodes {
 class GroupBuilder {
  public:
   GroupBuilder(const VoxelGrid& grid, const VoxelMapOptions& options, PointsByRoot* points)
-      : layers(static_cast<size_t>(grid.bits) + 1), grid_(grid), options_(options), points_(*points) {}
+      : layers(static_cast<size_t>(grid.bits) + 1), grid_(grid), options_(options), points_(*points), block_(grid) {}
 
   void add_root(uint32_t root) {
     const uint32_t begin = points_.points_begin[root];
@@ -85,11 +86,15 @@ class GroupBuilder {
   void compute_codes(uint32_t root, uint32_t begin, uint32_t size) {
     const Eigen::Vector3i base = points_.root_keys[root] * (1 << grid_.bits);
     codes_.resize(size);
-    for (uint32_t i = 0; i < size; ++i) {
-      const Eigen::Vector3i cell = VoxelGrid::cell_of(grid_.scaled(points_.positions[begin + i])) - base;
-      const uint32_t code = morton_code(static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y()),
-                                        static_cast<uint32_t>(cell.z()));
-      codes_[i] = static_cast<uint64_t>(code) << 32 | i;
+    for (uint32_t first = 0; first < size; first += CellBlock::max_points) {
+      const uint32_t block_size = std::min<uint32_t>(CellBlock::max_points, size - first);
+      block_.compute({&points_.positions[begin + first], block_size});
+      for (uint32_t i = 0; i < block_size; ++i) {
+        const Eigen::Vector3i cell = block_.cell(i) - base;
+        const uint32_t code = morton_code(static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y()),
+                                          static_cast<uint32_t>(cell.z()));
+        codes_[first + i] = static_cast<uint64_t>(code) << 32 | (first + i);
+      }
     }
   }
 
@@ -100,11 +105,13 @@ class GroupBuilder {
       return;
     }
     other_codes_.resize(codes_.size());
-    for (int shift = 0; shift < 3 * grid_.bits; shift += 8) {
-      std::array<uint32_t, 257> begin{};
-      for (uint64_t code : codes_) ++begin[(code >> (32 + shift) & 255u) + 1];
-      for (size_t d = 0; d < 256; ++d) begin[d + 1] += begin[d];
-      for (uint64_t code : codes_) other_codes_[begin[code >> (32 + shift) & 255u]++] = code;
+    constexpr int digit_bits = 8;
+    constexpr uint64_t digit_mask = (1 << digit_bits) - 1;
+    for (int shift = 32; shift < 32 + 3 * grid_.bits; shift += digit_bits) {
+      std::array<uint32_t, digit_mask + 2> begin{};
+      for (uint64_t code : codes_) ++begin[(code >> shift & digit_mask) + 1];
+      std::partial_sum(begin.begin(), begin.end(), begin.begin());
+      for (uint64_t code : codes_) other_codes_[begin[code >> shift & digit_mask]++] = code;
       codes_.swap(other_codes_);
     }
   }
@@ -192,6 +199,7 @@ class GroupBuilder {
   const VoxelGrid& grid_;
   const VoxelMapOptions& options_;
   PointsByRoot& points_;
+  CellBlock block_;
   std::vector<uint64_t> codes_, other_codes_;
   std::vector<Eigen::Vector3f> old_positions_;
   std::vector<uint32_t> old_indices_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -15,15 +16,24 @@ namespace cpplus {
 /// cell = floor(x_in_map / leaf_size_m) per axis. A voxel `shift` layers above the leaves has key cell >> shift. The
 /// octant of a voxel in its parent is (x & 1) | (y & 1) << 1 | (z & 1) << 2.
 
-/// Cells must lie in (-max_cell, max_cell): keys of neighbours and differences of keys then fit in 32 bits.
+/// Cells lie in (-max_cell, max_cell): keys of neighbours and differences of keys then fit in 32 bits.
 inline constexpr int32_t max_cell = 1 << 30;
 /// Largest root_size_m / leaf_size_m is 2^max_leaf_bits: Morton codes of leaves inside their root fit in 30 bits.
 inline constexpr int max_leaf_bits = 10;
 
-/// floor() for |value| < 2^31. std::floor is a library call on the x86-64 baseline.
-inline int32_t floor_to_cell(double value) {
-  const int32_t truncated = static_cast<int32_t>(value);
-  return truncated - static_cast<int32_t>(value < truncated);
+/// floor(scaled) in (-max_cell, max_cell), outside +-max_cell; not a number becomes -max_cell. (std::floor is a library
+/// call on the x86-64 baseline.)
+inline int32_t clamped_floor(double scaled) {
+  if (!(std::abs(scaled) < max_cell)) [[unlikely]]
+    return scaled > 0 ? max_cell : -max_cell;
+  const int32_t truncated = static_cast<int32_t>(scaled);
+  return truncated - static_cast<int32_t>(scaled < truncated);
+}
+
+/// Whether a coordinate was beyond the limit or not a number.
+inline bool is_outside(const Eigen::Vector3i& cell) {
+  const auto beyond = [](int32_t c) { return c <= -max_cell || c >= max_cell; };
+  return beyond(cell.x()) || beyond(cell.y()) || beyond(cell.z());
 }
 
 /// How points become cells: everything that building and look-ups must round alike.
@@ -34,20 +44,37 @@ struct VoxelGrid {
         leaves_per_m(1.0 / leaf_size_m),
         bits(static_cast<int>(std::lround(std::log2(root_size_m / leaf_size_m)))) {}
 
-  /// Position in units of leaves, not rounded.
-  Eigen::Vector3d scaled(const Eigen::Vector3f& position) const {
-    return (origin + position.cast<double>()) * leaves_per_m;
+  Eigen::Vector3i cell_of_position(const Eigen::Vector3f& position) const {
+    return cell_of(origin + position.cast<double>());
   }
-  static bool within_limits(const Eigen::Vector3d& scaled) {
-    return std::abs(scaled.x()) < max_cell && std::abs(scaled.y()) < max_cell && std::abs(scaled.z()) < max_cell;
-  }
-  static Eigen::Vector3i cell_of(const Eigen::Vector3d& scaled) {
-    return {floor_to_cell(scaled.x()), floor_to_cell(scaled.y()), floor_to_cell(scaled.z())};
+  Eigen::Vector3i cell_of(const Eigen::Vector3d& x_in_map) const {
+    const Eigen::Vector3d scaled = x_in_map * leaves_per_m;
+    return {clamped_floor(scaled.x()), clamped_floor(scaled.y()), clamped_floor(scaled.z())};
   }
 
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the cloud, metres
   double leaves_per_m = 0.0;
   int bits = 0;  // a root is 2^bits leaves wide
+};
+
+/// Cells of a block of points: VoxelGrid::cell_of_position in loops that the compiler turns into vector code.
+class CellBlock {
+ public:
+  static constexpr size_t max_points = 256;
+
+  explicit CellBlock(const VoxelGrid& grid);
+
+  /// At most max_points positions. False where the cells of some are outside.
+  bool compute(std::span<const Eigen::Vector3f> positions);
+  Eigen::Vector3i cell(size_t i) const { return {cells_[3 * i], cells_[3 * i + 1], cells_[3 * i + 2]}; }
+
+ private:
+  static constexpr size_t max_coordinates = 3 * max_points;
+
+  double leaves_per_m_;
+  std::array<double, max_coordinates> origin_;  // x y z x y z ...
+  std::array<double, max_coordinates> scaled_;
+  std::array<int32_t, max_coordinates> cells_;
 };
 
 /// Bits of 0..1023 spread to every third bit.
@@ -78,11 +105,11 @@ inline bool key_less(const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
   return a.z() < b.z();
 }
 
+/// Multiplicative hashing: take the upper bits.
 inline uint64_t hash_key(const Eigen::Vector3i& key) {
-  uint64_t h = static_cast<uint32_t>(key.x()) * 0x9E3779B97F4A7C15ull;
-  h ^= static_cast<uint32_t>(key.y()) * 0xC2B2AE3D27D4EB4Full;
-  h ^= static_cast<uint32_t>(key.z()) * 0x165667B19E3779F9ull;
-  return (h ^ (h >> 32)) * 0xD6E8FEB86659FD93ull >> 32;
+  return static_cast<uint64_t>(key.x()) * 0x9E3779B97F4A7C15ull +
+         static_cast<uint64_t>(key.y()) * 0xC2B2AE3D27D4EB4Full +
+         static_cast<uint64_t>(key.z()) * 0xD6E8FEB86659FD93ull;
 }
 
 inline constexpr uint32_t no_voxel = 0xFFFFFFFFu;
@@ -92,14 +119,14 @@ inline constexpr uint32_t no_voxel = 0xFFFFFFFFu;
 inline size_t probe_key_table(std::span<const uint32_t> table, std::span<const Eigen::Vector3i> keys,
                               const Eigen::Vector3i& key) {
   const size_t mask = table.size() - 1;
-  size_t slot = hash_key(key) & mask;
+  size_t slot = hash_key(key) >> (64 - std::countr_zero(table.size()));
   while (table[slot] != no_voxel && keys[table[slot]] != key) slot = (slot + 1) & mask;
   return slot;
 }
 
 /// A table for `keys` (all different) of more than min_size slots.
 inline std::vector<uint32_t> make_key_table(std::span<const Eigen::Vector3i> keys, size_t min_size) {
-  std::vector<uint32_t> table(std::bit_ceil(min_size + 1), no_voxel);
+  std::vector<uint32_t> table(std::bit_ceil(std::max<size_t>(min_size, 1) + 1), no_voxel);
   for (size_t i = 0; i < keys.size(); ++i) table[probe_key_table(table, keys, keys[i])] = static_cast<uint32_t>(i);
   return table;
 }

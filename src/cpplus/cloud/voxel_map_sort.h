@@ -2,20 +2,19 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/cloud/voxel_map.h"
+#include "cpplus/cloud/voxel_map_buffer.h"
 
 namespace cpplus {
 
 /// Points grouped by root voxel, roots ascending by key, points of a root in the order of the input.
 struct PointsByRoot {
   size_t num_points = 0;  // the finite ones
-  // Arrays without initialisation: filling them twice would cost as much as a sorting pass.
-  std::unique_ptr<Eigen::Vector3f[]> positions;
-  std::unique_ptr<uint32_t[]> input_indices;
+  Buffer<Eigen::Vector3f> positions;
+  Buffer<uint32_t> input_indices;
   std::vector<Eigen::Vector3i> root_keys;
   std::vector<uint32_t> points_begin;  // roots + 1
 };

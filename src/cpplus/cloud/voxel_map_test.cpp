@@ -151,6 +151,16 @@ TEST(VoxelMap, PointsOnBordersBelongToTheUpperVoxel) {
   EXPECT_EQ(map.key_of(0, Eigen::Vector3d(-2.0, -1e-12, 2.0)), Eigen::Vector3i(-1, -1, 1));
 }
 
+TEST(VoxelMap, NegativeZeroIsZero) {
+  PointCloud cloud = cloud_of({{-0.0f, -0.0f, -0.0f}, {-1e-38f, 1e-38f, 0.0f}});
+  cloud.origin = Eigen::Vector3d(-0.0, -0.0, -0.0);
+  const VoxelMap map(cloud, VoxelMapOptions());
+  ASSERT_EQ(map.num_nodes(map.leaf_layer()), 2u);
+  EXPECT_EQ(map.key(0, 0), Eigen::Vector3i(-1, 0, 0));
+  EXPECT_EQ(map.key(0, 1), Eigen::Vector3i(0, 0, 0));
+  EXPECT_EQ(map.find_leaf(Eigen::Vector3d(-0.0, -0.0, -0.0)), 1u);
+}
+
 TEST(VoxelMap, KeepsUtmCoordinates) {
   PointCloud cloud = random_cloud(20000, 3);
   cloud.origin = Eigen::Vector3d(448262.123456, 5411932.654321, 112.5);
