@@ -35,6 +35,19 @@ std::string type_label(const OptionField& field) {
   return std::holds_alternative<double*>(field.value) ? "NUMBER" : "TEXT";
 }
 
+/// What CLI11 says of a wrong command line, in words that name what is wrong first.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  const auto command = app.get_subcommands();
+  const std::string help =
+      fmt::format("(see cpplus{} --help)", command.empty() ? "" : " " + command.front()->get_name());
+  const std::vector<std::string> extras = app.remaining(true);
+  if (extras.empty()) return fmt::format("{} {}", error.what(), help);
+  const auto is_option = [](const std::string& extra) { return extra.starts_with("-"); };
+  const auto option = std::find_if(extras.begin(), extras.end(), is_option);
+  return option == extras.end() ? fmt::format("unexpected argument '{}' {}", extras.front(), help)
+                                : fmt::format("unknown option '{}' {}", *option, help);
+}
+
 }  // namespace
 
 void GlobalOptions::validate() const { check_option(threads >= 0 && threads <= 1024, "threads", "[0, 1024]", threads); }
@@ -90,9 +103,7 @@ int CommandLine::run(int argc, const char* const* argv) {
     app_.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_.exit(error);  // --help and --version
-    const auto command = app_.get_subcommands();
-    throw UsageError(fmt::format("{} (see cpplus{}{} --help)", error.what(), command.empty() ? "" : " ",
-                                 command.empty() ? "" : command.front()->get_name()));
+    throw UsageError(usage_message(app_, error));
   }
   if (!config_.empty()) read_options_yaml(config_, fields_);
   const std::string command = app_.get_subcommands().front()->get_name();

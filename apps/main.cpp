@@ -25,6 +25,8 @@ int fail(std::string message, int exit_code) {
 int main(int argc, char** argv) {
   try {
     cpplus::CommandLine command_line;
+    cpplus::add_colorize_command(&command_line);
+    cpplus::add_evaluate_command(&command_line);
     cpplus::add_info_command(&command_line);
     cpplus::add_config_command(&command_line);
     return command_line.run(argc, argv);

@@ -38,6 +38,7 @@ THIRD_PARTY = {
     "YAML": (r"yaml-cpp/", {"io", "apps", "tests"}),
     "CLI11": (r"CLI/", {"apps"}),
     "GoogleTest": (r"(gtest|gmock)/", {"tests"}),
+    "peers": (r"(pcl|open3d|octomap|benchmark)/", {"tests", "bench"}),
 }
 POSIX = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll)\.h")
 EIGEN = re.compile(r"Eigen/")

@@ -2,25 +2,34 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <optional>
-#include <string>
-#include <utility>
+#include <filesystem>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/log.h"
+#include "cpplus/core/options.h"
 #include "cpplus/core/progress.h"
+#include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/image_folder.h"
+#include "cpplus/report/render_cloud.h"
 #include "cpplus/visibility/depth_buffer.h"
 
 namespace cpplus {
+
 namespace {
 
-/// Finer cells would leave gaps between the leaves of near surfaces, coarser ones blur the edges that colours must not
-/// cross.
+/// Fails before the work rather than after it.
+void check_output(const std::string& path) {
+  if (point_cloud_extension(path).empty()) {
+    throw Error(fmt::format("{}: unknown extension of a point cloud (.pcd .ply .las)", path));
+  }
+  const AtomicFile probe(path);
+}
+
+/// Edge of a cell of the depth buffer: finer cells leave gaps between the leaves of near surfaces, coarser ones blur
+/// the edges that colours must not cross.
 constexpr double kDepthCellPx = 2.0;
 
 DepthBuffer depth_of_view(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
@@ -31,72 +40,110 @@ DepthBuffer depth_of_view(const VoxelMap& map, const Camera& camera, const Rigid
   return render_depth_buffer(map, camera, camera_from_map, options);
 }
 
-/// Decodes the images of a model one after the other; one that cannot be read is warned of and left out.
+/// The images of the model one after the other, with what the map hides from each.
 class ViewReader {
  public:
-  ViewReader(const ColorizeCommandOptions& options, const SparseModel& model, const ImageFolder& folder,
+  ViewReader(const ColorizeCommandOptions& options, const SparseModel& model, const std::vector<size_t>& images,
              const VoxelMap& map)
-      : options_(options), model_(model), folder_(folder), map_(map), progress_("colour", folder.with_file.size()) {}
+      : options_(options), model_(model), images_(images), map_(map), progress_("colorize", images.size()) {}
 
   std::optional<ColorView> next() {
-    while (next_ < folder_.with_file.size()) {
-      const PosedImage& image = model_.images[folder_.with_file[next_++]];
-      progress_.advance();
-      ColorView view;
-      view.name = image.name;
-      view.camera = model_.cameras.at(image.camera_id);
-      view.camera_from_map = image.camera_from_map;
-      try {
-        view.image = read_color_image(image_path(options_.images, image.name));
-      } catch (const Error& error) {
-        log_warning(fmt::format("left out: {}", error.what()));
-        continue;
+    while (next_ < images_.size()) {
+      const size_t index = images_[next_++];
+      if (next_ > 1) progress_.advance();
+      if (std::optional<ColorView> view = read(model_.images[index])) {
+        used_.push_back(index);
+        return view;
       }
-      view.depth = depth_of_view(map_, view.camera, view.camera_from_map, options_.colorize.sampling.max_distance_m);
-      return view;
     }
-    return {};
+    return std::nullopt;
   }
 
+  /// Indices into model.images.
+  const std::vector<size_t>& used() const { return used_; }
+
  private:
+  std::optional<ColorView> read(const PosedImage& posed) const {
+    const std::string path = image_path(options_.images, posed.name);
+    const Camera& camera = model_.cameras.at(posed.camera_id);
+    ColorView view;
+    try {
+      view.image = read_color_image(path);
+    } catch (const Error& error) {
+      log_warning(fmt::format("skipped: {}", error.what()));
+      return std::nullopt;
+    }
+    if (view.image.width != camera.width() || view.image.height != camera.height()) {
+      log_warning(fmt::format("skipped: {}: is {}x{}, its camera {} is {}x{}", path, view.image.width,
+                              view.image.height, posed.camera_id, camera.width(), camera.height()));
+      return std::nullopt;
+    }
+    view.name = posed.name;
+    view.camera = camera;
+    view.camera_from_map = posed.camera_from_map;
+    view.depth = depth_of_view(map_, camera, posed.camera_from_map, options_.color.sampling.max_distance_m);
+    return view;
+  }
+
   const ColorizeCommandOptions& options_;
   const SparseModel& model_;
-  const ImageFolder& folder_;
+  const std::vector<size_t>& images_;
   const VoxelMap& map_;
   Progress progress_;
   size_t next_ = 0;
+  std::vector<size_t> used_;
 };
+
+/// The photo beside the coloured cloud from the same pose: DIR/STEM.png with the folders of NAME joined by "_".
+void write_debug_images(const ColorizeCommandOptions& options, const SparseModel& model,
+                        const std::vector<size_t>& images, const PointCloud& cloud) {
+  std::filesystem::create_directories(options.debug_images);
+  for (const size_t index : images) {
+    const PosedImage& posed = model.images[index];
+    const Camera& camera = model.cameras.at(posed.camera_id);
+    const ColorImage rendering =
+        render_cloud(cloud, camera, posed.camera_from_map, options.voxel_map.leaf_size_m / 2.0);
+    const ColorImage photo = read_color_image(image_path(options.images, posed.name));
+    write_png(image_path(options.debug_images, debug_image_name(posed.name)), side_by_side(photo, rendering));
+  }
+}
 
 }  // namespace
 
 void ColorizeCommandOptions::validate() const {
-  for (const auto& [name, value] :
-       {std::pair<const char*, const std::string&>{"map", map}, {"images", images}, {"poses", poses}, {"out", out}}) {
-    if (value.empty()) throw UsageError(fmt::format("option {} must be given", name));
-  }
-  if (point_cloud_extension(out).empty()) {
-    throw UsageError(fmt::format("option out must end in .ply, .pcd or .las, got {}", out));
-  }
-  colorize.validate();
+  require_option("map", map);
+  require_option("images", images);
+  require_option("poses", poses);
+  require_option("out", out);
+  voxel_map.validate();
+  color.validate();
 }
 
-ColorizeSummary colorize_map(const ColorizeCommandOptions& options) {
+ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   options.validate();
+  check_output(options.out);
   const SparseModel model = read_sparse_model(options.poses);
   const ImageFolder folder = find_images(options.images, model);
   warn_of_unmatched(options.images, model, folder);
   PointCloud cloud = read_point_cloud(options.map);
-  const VoxelMap map(cloud, {});
+  const VoxelMap map(cloud, options.voxel_map);
 
   ColorizeResult result;
+  std::vector<size_t> used;
   {
-    ViewReader reader(options, model, folder, map);
+    ViewReader reader(options, model, folder.with_file, map);
     result = colorize(
-        std::move(cloud), map, [&reader] { return reader.next(); }, options.colorize);
+        std::move(cloud), map, [&] { return reader.next(); }, options.color);
+    used = reader.used();
   }
-  if (result.num_images == 0) throw Error(fmt::format("{}: none of the model's images can be read", options.images));
+  if (used.empty()) throw Error(fmt::format("{}: none of the model's images can be used", options.images));
+  if (result.num_colored == 0) {
+    throw Error(fmt::format("{}: no image sees a point of {} within {} m; same frame, and metres?", options.poses,
+                            options.map, options.color.sampling.max_distance_m));
+  }
   write_point_cloud(options.out, result.cloud);
-  return {result.cloud.size(), result.num_colored, result.num_images, folder.missing.size()};
+  if (!options.debug_images.empty()) write_debug_images(options, model, used, result.cloud);
+  return {result.cloud.size(), result.num_colored, used.size(), model.images.size() - used.size()};
 }
 
 }  // namespace cpplus

@@ -1,46 +1,51 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
+#include "cpplus/cloud/voxel_map.h"
 #include "cpplus/colorize/colorize.h"
 
 namespace cpplus {
 
 struct ColorizeCommandOptions {
-  /// Point cloud to be coloured.
+  /// Point cloud to be coloured (.pcd .ply .las). Required.
   std::string map;
-  /// Folder of the images.
+  /// Folder of the images. Required.
   std::string images;
-  /// COLMAP model folder with the cameras and the poses of the images in the map.
+  /// COLMAP model folder with the images' cameras and poses. Required.
   std::string poses;
-  /// Coloured cloud to be written (.ply, .pcd, .las).
+  /// Coloured cloud to be written; the extension gives the format. Required.
   std::string out;
-  /// Folder for renderings of the coloured cloud from each image's pose; "" = none.
+  /// Folder for a picture an image: the photo beside the coloured cloud from its pose; "" = none.
   std::string debug_images;
-  ColorizeOptions colorize;
+  VoxelMapOptions voxel_map;
+  ColorizeOptions color;
 
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
-    visitor("map", map, "Point cloud to be coloured.");
-    visitor("images", images, "Folder of the images.");
-    visitor("poses", poses, "COLMAP model folder with the poses of the images in the map.");
-    visitor("out", out, "Coloured cloud to be written (.ply, .pcd, .las).");
-    visitor("debug_images", debug_images, "Folder for renderings of the cloud beside the images; empty = none.");
-    visitor.group("colorize", colorize);
+    visitor("map", map, "Point cloud to be coloured (.pcd .ply .las). Required.");
+    visitor("images", images, "Folder of the images. Required.");
+    visitor("poses", poses, "COLMAP model folder with the images' cameras and poses. Required.");
+    visitor("out", out, "Coloured cloud to be written; the extension (.pcd .ply .las) gives the format. Required.");
+    visitor("debug_images", debug_images,
+            "Folder for pictures of each photo beside the coloured cloud from its pose; empty = none.");
+    visitor.group("voxel_map", voxel_map);
+    visitor.group("color", color);
   }
 };
 
 struct ColorizeSummary {
   size_t num_points = 0;
-  size_t num_colored = 0;
-  size_t num_images = 0;          // that colours were taken from
-  size_t num_missing_images = 0;  // named by the model, but not in the folder
+  size_t num_colored = 0;  // points that at least one image shows
+  size_t num_images = 0;   // images that gave colours
+  size_t num_skipped = 0;  // images of the model that are missing or cannot be used
 };
 
-/// Reads the map and the model, colours the map's points from the images (decoded one after the other) and writes the
-/// cloud. Images without a pose and poses without an image are warned of. Throws Error naming the file for
-/// unreadable input.
-ColorizeSummary colorize_map(const ColorizeCommandOptions& options);
+/// Reads map, poses and images (one at a time), colours the points, and writes the cloud. An image that is missing,
+/// broken or of another size than its camera is skipped with a warning. Throws Error naming the file for anything else
+/// that cannot be read or written, and where no image sees a point of the map; nothing is written then.
+ColorizeSummary run_colorize(const ColorizeCommandOptions& options);
 
 }  // namespace cpplus

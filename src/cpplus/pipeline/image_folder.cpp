@@ -37,6 +37,12 @@ std::string image_path(const std::string& directory, const std::string& name) {
   return (fs::path(directory) / name).string();
 }
 
+std::string debug_image_name(const std::string& name) {
+  std::string flat = fs::path(name).replace_extension(".png").generic_string();
+  std::replace(flat.begin(), flat.end(), '/', '_');
+  return flat;
+}
+
 ImageFolder find_images(const std::string& directory, const SparseModel& model) {
   if (!fs::is_directory(directory)) throw Error(fmt::format("{}: not a folder of images", directory));
   ImageFolder folder;

@@ -27,6 +27,9 @@ std::vector<std::string> list_images(const std::string& directory);
 /// "DIR/NAME".
 std::string image_path(const std::string& directory, const std::string& name);
 
+/// "left/a.jpg" -> "left_a.png": the name of a picture made for an image, all in one folder.
+std::string debug_image_name(const std::string& name);
+
 /// Warns about images without a pose and poses without an image, one line each kind with the first name.
 void warn_of_unmatched(const std::string& directory, const SparseModel& model, const ImageFolder& folder);
 

@@ -51,6 +51,11 @@ TEST_F(ImageFolderTest, WarnsOncePerKind) {
             "warning: DIR: 2 images without a pose not used, the first is 's.png'\n");
 }
 
+TEST(DebugImageName, IsFlatAndPng) {
+  EXPECT_EQ(debug_image_name("a.jpg"), "a.png");
+  EXPECT_EQ(debug_image_name("left/cam.0/a.b.jpeg"), "left_cam.0_a.b.png");
+}
+
 TEST_F(ImageFolderTest, NothingToWorkOnIsAnError) {
   add_image("gone.jpg");
   EXPECT_THROW(find_images(directory_.string(), model_), Error);

@@ -5,8 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/colmap_io.h"
@@ -116,18 +118,23 @@ Lines describe_stamps(const std::string& path) {
       fmt::format("{}: stamps of {}, {} to {} s", path, counted(stamps.size(), "image"), first->second, last->second)};
 }
 
+/// Whether the first line that is not a comment begins with a number and has more than two values.
+bool looks_like_trajectory(const std::string& path) {
+  std::ifstream stream(path);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream values(line);
+    double number = 0.0;
+    std::string second;
+    std::string third;
+    return static_cast<bool>(values >> number >> second >> third);
+  }
+  return false;
+}
+
 Lines describe_text(const std::string& path) {
-  std::string why_not_trajectory;
-  try {
-    return describe_trajectory(path);
-  } catch (const Error& error) {
-    why_not_trajectory = error.what();
-  }
-  try {
-    return describe_stamps(path);
-  } catch (const Error&) {
-    throw Error(fmt::format("{}: neither a TUM trajectory nor stamps ({})", path, why_not_trajectory));
-  }
+  return looks_like_trajectory(path) ? describe_trajectory(path) : describe_stamps(path);
 }
 
 Lines describe_file(const std::string& path) {

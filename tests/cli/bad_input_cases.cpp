@@ -1,0 +1,234 @@
+#include "bad_input_cases.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "cpplus/io/colmap_io.h"
+
+namespace cpplus {
+
+namespace {
+
+using Arguments = std::vector<std::string>;
+using Cases = std::map<std::string, BadInputCase>;
+
+std::string repeated(const std::string& text, size_t count) {
+  std::string all;
+  for (size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+/// A PCD file of one line a point.
+std::string pcd(const std::string& fields, const std::vector<std::string>& points) {
+  const size_t num_fields = static_cast<size_t>(std::count(fields.begin(), fields.end(), ' ')) + 1;
+  std::string text = "FIELDS " + fields + "\nSIZE" + repeated(" 4", num_fields) + "\nTYPE" +
+                     repeated(" F", num_fields) + "\nCOUNT" + repeated(" 1", num_fields) + "\nWIDTH " +
+                     std::to_string(points.size()) + "\nHEIGHT 1\nPOINTS " + std::to_string(points.size()) +
+                     "\nDATA ascii\n";
+  for (const std::string& point : points) text += point + "\n";
+  return text;
+}
+
+/// A case that changes the value of one flag of `colorize`; DIR/ stands for the scene.
+BadInputCase colorize_flag(const std::string& flag, const std::string& value) {
+  return [=](const TinyScene& scene) {
+    const bool is_path = value.starts_with("DIR/");
+    return scene.colorize_with(flag, is_path ? scene.path(value.substr(4)) : value);
+  };
+}
+
+/// A case that writes one file and then colours.
+BadInputCase colorize_after_writing(const std::string& file, const std::string& text) {
+  return [=](const TinyScene& scene) {
+    scene.write(file, text);
+    return scene.colorize();
+  };
+}
+
+BadInputCase colorize_after_replacing(const std::string& file, const std::string& from, const std::string& to) {
+  return [=](const TinyScene& scene) {
+    scene.replace(file, from, to);
+    return scene.colorize();
+  };
+}
+
+BadInputCase info_after_writing(const std::string& file, const std::string& text) {
+  return [=](const TinyScene& scene) {
+    scene.write(file, text);
+    return Arguments{"info", scene.path(file)};
+  };
+}
+
+BadInputCase colorize_with_config(const std::string& yaml) {
+  return [=](const TinyScene& scene) {
+    scene.write("config.yaml", yaml);
+    return scene.colorize({"--config", scene.path("config.yaml")});
+  };
+}
+
+Arguments truncated_map(const TinyScene& scene, const std::string& name, size_t size) {
+  scene.convert_map(name);
+  scene.truncate(name, size);
+  return scene.colorize_with("--map", scene.path(name));
+}
+
+/// LAS: the header's own size is the 16-bit number at byte 94.
+Arguments las_with_header_size(const TinyScene& scene, uint16_t size) {
+  scene.convert_map("map.las");
+  std::string bytes = scene.read("map.las");
+  bytes[94] = static_cast<char>(size & 0xff);
+  bytes[95] = static_cast<char>(size >> 8);
+  scene.write("map.las", bytes);
+  return scene.colorize_with("--map", scene.path("map.las"));
+}
+
+Arguments truncated_binary_model(const TinyScene& scene) {
+  const SparseModel model = read_sparse_model(scene.path("model"));
+  write_sparse_model_binary(scene.path("binary"), model);
+  scene.truncate("binary/images.bin", 100);
+  return scene.colorize_with("--poses", scene.path("binary"));
+}
+
+Cases map_cases() {
+  return {
+      {"map does not exist", colorize_flag("--map", "DIR/none.pcd")},
+      {"map is a folder", colorize_flag("--map", "DIR/images")},
+      {"map of unknown extension", colorize_flag("--map", "DIR/stamps.txt")},
+      {"map file of no bytes", colorize_after_writing("map.pcd", "")},
+      {"map of no points", colorize_after_writing("map.pcd", pcd("x y z", {}))},
+      {"PCD that is another kind of file", colorize_after_writing("map.pcd", "ply\nformat ascii 1.0\n")},
+      {"PCD without z", colorize_after_writing("map.pcd", pcd("x y", {"0 0", "1 1"}))},
+      {"PCD with a word for a number", colorize_after_writing("map.pcd", pcd("x y z", {"0 0 3", "0 one 3"}))},
+      {"PCD with fewer points than it says", colorize_after_replacing("map.pcd", "0.00 0.65 3\n", "")},
+      {"only NaN points", colorize_after_writing("map.pcd", pcd("x y z", {"nan nan nan", "0 inf 0"}))},
+      {"some NaN points", info_after_writing("nan.pcd", pcd("x y z", {"nan nan nan", "0 0 3"}))},
+      {"PLY truncated", [](const TinyScene& scene) { return truncated_map(scene, "map.ply", 1000); }},
+      {"LAS truncated", [](const TinyScene& scene) { return truncated_map(scene, "map.las", 1000); }},
+      {"LAS with wrong header size", [](const TinyScene& scene) { return las_with_header_size(scene, 100); }},
+      {"map in millimetres",
+       [](const TinyScene& scene) {
+         scene.write("map.pcd", pcd("x y z", {"0 0 300000", "100 0 300000", "0 100 300000"}));
+         return scene.colorize();
+       }},
+  };
+}
+
+Cases image_cases() {
+  return {
+      {"folder of images does not exist", colorize_flag("--images", "DIR/none")},
+      {"folder of images is a file", colorize_flag("--images", "DIR/map.pcd")},
+      {"folder without the model's images", colorize_flag("--images", "DIR/model")},
+      {"image without pose", colorize_after_writing("images/c.png", "")},
+      {"pose without image",
+       [](const TinyScene& scene) {
+         std::filesystem::remove(scene.path("images/b.png"));
+         return scene.colorize();
+       }},
+      {"image truncated",
+       [](const TinyScene& scene) {
+         scene.truncate("images/b.png", 100);
+         return scene.colorize();
+       }},
+      {"image that is text", colorize_after_writing("images/b.png", "no picture")},
+      {"corrupt JPEG",
+       [](const TinyScene& scene) {
+         scene.write("images/b.jpg", "\xff\xd8\xff\xe0 broken");
+         std::filesystem::remove(scene.path("images/b.png"));
+         scene.replace("model/images.txt", "b.png", "b.jpg");
+         return scene.colorize();
+       }},
+      {"no image that can be read",
+       [](const TinyScene& scene) {
+         for (const char* name : {"images/a.png", "images/b.png"}) scene.write(name, "no picture");
+         return scene.colorize();
+       }},
+      {"image of another size than its camera",
+       [](const TinyScene& scene) {
+         scene.write("model/cameras.txt", "1 PINHOLE 64 48 60 60 32 24\n2 PINHOLE 128 96 60 60 64 48\n");
+         scene.replace("model/images.txt", "0 0 1 b.png", "0 0 2 b.png");
+         return scene.colorize();
+       }},
+  };
+}
+
+Cases model_cases() {
+  return {
+      {"model folder does not exist", colorize_flag("--poses", "DIR/none")},
+      {"folder without a model", colorize_flag("--poses", "DIR/images")},
+      {"unknown camera model", colorize_after_replacing("model/cameras.txt", "PINHOLE", "PINHOLES")},
+      {"zero focal length", colorize_after_replacing("model/cameras.txt", "60 60", "0 60")},
+      {"missing camera parameter", colorize_after_replacing("model/cameras.txt", " 32 24", " 32")},
+      {"image size of zero", colorize_after_replacing("model/cameras.txt", "64 48", "0 48")},
+      {"image of a missing camera", colorize_after_replacing("model/images.txt", "1 b.png", "7 b.png")},
+      {"bad quaternion", colorize_after_replacing("model/images.txt", "1 1 0 0 0", "1 0.5 0 0 0")},
+      {"NaN pose", colorize_after_replacing("model/images.txt", "0.1 0 0 1 b.png", "nan 0 0 1 b.png")},
+      {"image name twice", colorize_after_replacing("model/images.txt", "b.png", "a.png")},
+      {"image id twice", colorize_after_replacing("model/images.txt", "2 1 0 0 0", "1 1 0 0 0")},
+      {"binary model truncated", truncated_binary_model},
+      {"cameras outside the map",
+       [](const TinyScene& scene) {
+         scene.replace("model/images.txt", "1 1 0 0 0 0 0", "1 1 0 0 0 900 0");
+         scene.replace("model/images.txt", "0.1 0 0", "900 0 0");
+         return scene.colorize();
+       }},
+  };
+}
+
+Cases text_cases() {
+  return {
+      {"trajectory with stamps that go back", info_after_writing("t.txt", "2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n")},
+      {"stamps with a word for a number", info_after_writing("s.txt", "a.png now\n")},
+      {"stamps of one image twice", info_after_writing("s.txt", "a.png 1\na.png 2\n")},
+      {"trajectory with commas", info_after_writing("t.txt", "1,0,0,0,0,0,0,1\n")},
+      {"trajectory line with a missing value", info_after_writing("t.txt", "1 0 0 0 0 0 1\n")},
+      {"path that does not exist",
+       [](const TinyScene& scene) {
+         return Arguments{"info", scene.path("none")};
+       }},
+      {"kind of file that is not known", info_after_writing("notes.doc", "text")},
+  };
+}
+
+Cases output_cases() {
+  return {
+      {"output of unknown extension", colorize_flag("--out", "DIR/out.xyz")},
+      {"output below a file", colorize_flag("--out", "DIR/map.pcd/out.ply")},
+      {"output is a folder",
+       [](const TinyScene& scene) {
+         std::filesystem::create_directory(scene.path("folder.ply"));
+         return scene.colorize_with("--out", scene.path("folder.ply"));
+       }},
+      {"output folder that is read-only", colorize_flag("--out", "/proc/cpplus/out.ply")},
+  };
+}
+
+Cases usage_cases() {
+  return {
+      {"no such command", [](const TinyScene&) { return Arguments{"colourise"}; }},
+      {"unknown option", colorize_flag("--mapp", "x.pcd")},
+      {"required option missing", [](const TinyScene&) { return Arguments{"colorize"}; }},
+      {"argument too many", [](const TinyScene& scene) { return scene.colorize({"more"}); }},
+      {"option without its value", [](const TinyScene& scene) { return scene.colorize({"--threads"}); }},
+      {"negative number of threads", colorize_flag("--threads", "-2")},
+      {"word for a number", colorize_flag("--voxel-map.leaf-size-m", "small")},
+      {"number out of range", colorize_flag("--voxel-map.leaf-size-m", "-1")},
+      {"configuration does not exist", colorize_flag("--config", "DIR/none.yaml")},
+      {"configuration that is not YAML", colorize_with_config("colorize: {map: [\n")},
+      {"unknown key in the configuration", colorize_with_config("colorize:\n  colour: 3\n")},
+      {"wrong type in the configuration", colorize_with_config("colorize:\n  color:\n    max_samples: many\n")},
+      {"key twice in the configuration", colorize_with_config("threads: 1\nthreads: 2\n")},
+      {"number out of range in the configuration", colorize_with_config("threads: -3\n")},
+  };
+}
+
+}  // namespace
+
+Cases bad_input_cases() {
+  Cases all;
+  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), output_cases(), usage_cases()}) {
+    all.merge(some);
+  }
+  return all;
+}
+
+}  // namespace cpplus

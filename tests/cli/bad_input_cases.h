@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tiny_scene.h"
+
+namespace cpplus {
+
+/// Spoils a good scene in one way and returns the arguments to run the program with.
+using BadInputCase = std::function<std::vector<std::string>(const TinyScene&)>;
+
+/// By the first column of docs/bad_input.md.
+std::map<std::string, BadInputCase> bad_input_cases();
+
+}  // namespace cpplus
