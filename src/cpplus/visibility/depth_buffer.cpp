@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cpplus/core/options.h"
+#include "cpplus/visibility/extended_surfaces.h"
 
 namespace cpplus {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 constexpr int kMaxHalfCells = 255;
 constexpr int kBlockCells = 16;
+/// Bodies of up to about a metre count as small whatever the leaves are: surroundings are cubes of three such nodes.
+constexpr double kNodeSizeM = 0.25;
 
 using HalfCells = Image<std::array<uint8_t, 2>>;
 
@@ -69,6 +72,7 @@ void draw(const std::vector<ProjectedLeaf>& leaves, float radius_m, DepthBuffer*
   const int height = buffer->range.height;
   const int max_half = std::min(kMaxHalfCells, (width - 1) / 2);
   for (const ProjectedLeaf& leaf : leaves) {
+    if (!leaf.hides) continue;
     const Eigen::Vector2i cell = buffer->cell_of(leaf.pixel.cast<double>());
     if (!buffer->range.contains(cell.x(), cell.y())) continue;
     const Eigen::Vector2f radius = magnification.at(cell) * (radius_m / leaf.range);
@@ -116,6 +120,35 @@ void erode(const HalfCells& half, DepthBuffer* buffer) {
   }
 }
 
+/// The layer whose nodes are closest to kNodeSizeM, at least a leaf large.
+int surroundings_layer(const VoxelMap& map) {
+  int layer = map.leaf_layer();
+  while (layer > 0 && map.voxel_size(layer - 1) <= kNodeSizeM * 1.001) --layer;
+  return layer;
+}
+
+/// Both the leaves and the nodes of the roots are ascending: one walk marks the leaves of the nodes that are not extended.
+void mark_small_bodies(const VoxelMap& map, const std::vector<uint32_t>& roots, double min_extent,
+                       std::vector<ProjectedLeaf>* leaves) {
+  const int layer = surroundings_layer(map);
+  const std::vector<uint8_t> extended = find_extended_nodes(map, roots, layer, min_extent);
+  auto flag = extended.begin();
+  auto leaf = leaves->begin();
+  for (const uint32_t root : roots) {
+    uint32_t begin = root;
+    uint32_t end = root + 1;
+    for (int l = 0; l < layer; ++l) {
+      begin = map.children_begin(l, begin);
+      end = map.children_begin(l, end);
+    }
+    for (uint32_t node = begin; node < end; ++node, ++flag) {
+      uint32_t leaves_end = node + 1;
+      for (int l = layer; l < map.leaf_layer(); ++l) leaves_end = map.children_begin(l, leaves_end);
+      for (; leaf != leaves->end() && leaf->leaf < leaves_end; ++leaf) leaf->hides = *flag != 0;
+    }
+  }
+}
+
 }  // namespace
 
 void DepthBufferOptions::validate() const {
@@ -123,6 +156,8 @@ void DepthBufferOptions::validate() const {
   check_option(cell_leaves > 0, "cell_leaves", "(0, inf)", cell_leaves);
   check_option(splat_radius_leaves > 0, "splat_radius_leaves", "(0, inf)", splat_radius_leaves);
   check_option(margin_px >= 0, "margin_px", "[0, inf)", margin_px);
+  check_option(min_occluder_extent >= 0 && min_occluder_extent <= 1, "min_occluder_extent", "[0, 1]",
+               min_occluder_extent);
 }
 
 std::vector<uint32_t> select_roots(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
@@ -159,9 +194,10 @@ std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector
       if (!(range > 0.0f) || range > options.max_distance_m) continue;
       const auto pixel = camera.project(x_in_camera.cast<double>());
       if (pixel && camera.in_image(*pixel, -0.5 - options.margin_px))
-        projected.push_back({leaf, range, pixel->cast<float>()});
+        projected.push_back({leaf, range, pixel->cast<float>(), true});
     }
   }
+  if (options.min_occluder_extent > 0) mark_small_bodies(map, roots, options.min_occluder_extent, &projected);
   return projected;
 }
 

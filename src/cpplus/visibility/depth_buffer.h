@@ -22,6 +22,9 @@ struct DepthBufferOptions {
   double splat_radius_leaves = 0.6;
   /// How far the buffer goes beyond each border of the image, pixels. [0, inf)
   double margin_px = 0.0;
+  /// Only leaves on surfaces at least this extended hide others (see find_extended_nodes), so that what moved through an
+  /// uncleaned map hides nothing, nor do thin things; 0: every leaf hides. [0, 1]
+  double min_occluder_extent = 0.0;
 
   void validate() const;
   template <typename Visitor>
@@ -30,6 +33,7 @@ struct DepthBufferOptions {
     visitor("cell_leaves", cell_leaves, "Edge of a cell, in widths of a leaf seen at max_distance_m.");
     visitor("splat_radius_leaves", splat_radius_leaves, "Half edge of the square a leaf covers, in widths of a leaf.");
     visitor("margin_px", margin_px, "How far the buffer goes beyond each border of the image, pixels.");
+    visitor("min_occluder_extent", min_occluder_extent, "Only surfaces this extended hide others; 0: every leaf does.");
   }
 };
 
@@ -38,6 +42,7 @@ struct ProjectedLeaf {
   uint32_t leaf = 0;
   float range = 0.0f;     // metres
   Eigen::Vector2f pixel;  // may lie up to the margin outside the image
+  bool hides = true;      // drawn into the buffer
 };
 
 /// The leaves of the given roots (ascending) whose mean point is within max_distance_m of the camera centre and
@@ -45,7 +50,7 @@ struct ProjectedLeaf {
 std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector<uint32_t>& roots, const Camera& camera,
                                           const Rigid3& camera_from_map, const DepthBufferOptions& options);
 
-/// Draws leaves into a depth buffer. Each leaf covers a square of splat_radius_leaves around its mean, at the mean's
+/// Draws the leaves that hide others into a depth buffer. Each covers a square of splat_radius_leaves around its mean, at the mean's
 /// range; the nearest wins (Z-buffer). A maximum filter of the winner's own size follows, so that together they are a
 /// morphological closing of the surface: gaps up to twice the radius are filled, while silhouettes stay where they are
 /// and a slanted plane keeps its ranges, which drawing alone would pull towards the camera by radius * tan(incidence).

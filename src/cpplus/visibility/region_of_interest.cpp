@@ -22,6 +22,7 @@ VisibilityResult find_visible_leaves(const VoxelMap& map, const Camera& camera, 
   buffer_options.max_distance_m = options.max_distance_m;
   buffer_options.cell_leaves = options.cell_leaves;
   buffer_options.splat_radius_leaves = options.splat_radius_leaves;
+  buffer_options.min_occluder_extent = options.min_occluder_extent;
   buffer_options.margin_px = widening * camera.pixels_per_radian();
 
   VisibilityResult result;

@@ -17,11 +17,13 @@ struct VisibilityOptions {
   /// Widening of the field of view beyond each border of the image, for the error of a coarse pose, degrees. [0, 90]
   double fov_widening_deg = 1.0;
   /// How far a leaf's mean may lie behind the surface in the depth buffer, metres. [0, inf)
-  double depth_tolerance_m = 0.1;
+  double depth_tolerance_m = 0.15;
   /// Edge of a cell of the depth buffer, in widths of a leaf seen at max_distance_m. (0, inf)
   double cell_leaves = 1.0;
   /// Half edge of the square a leaf covers in the depth buffer, in widths of a leaf. (0, inf)
   double splat_radius_leaves = 0.6;
+  /// Only leaves on surfaces at least this extended hide others; 0: every leaf does. [0, 1]
+  double min_occluder_extent = 0.8;
 
   void validate() const;
   template <typename Visitor>
@@ -31,6 +33,7 @@ struct VisibilityOptions {
     visitor("depth_tolerance_m", depth_tolerance_m, "How far a leaf may lie behind the surface drawn, metres.");
     visitor("cell_leaves", cell_leaves, "Edge of a cell of the depth buffer, in widths of a leaf at max_distance_m.");
     visitor("splat_radius_leaves", splat_radius_leaves, "Half edge of the square a leaf covers, in widths of a leaf.");
+    visitor("min_occluder_extent", min_occluder_extent, "Only surfaces this extended hide others; 0: every leaf does.");
   }
 };
 
