@@ -127,7 +127,8 @@ int surroundings_layer(const VoxelMap& map) {
   return layer;
 }
 
-/// Both the leaves and the nodes of the roots are ascending: one walk marks the leaves of the nodes that are not extended.
+/// Both the leaves and the nodes of the roots are ascending: one walk marks the leaves of the nodes that are not
+/// extended.
 void mark_small_bodies(const VoxelMap& map, const std::vector<uint32_t>& roots, double min_extent,
                        std::vector<ProjectedLeaf>* leaves) {
   const int layer = surroundings_layer(map);

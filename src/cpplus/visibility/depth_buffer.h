@@ -17,13 +17,13 @@ struct DepthBufferOptions {
   /// Edge of a cell of the buffer, in widths of a leaf seen at max_distance_m, at the principal point. A cell is never
   /// smaller than a pixel. (0, inf)
   double cell_leaves = 1.0;
-  /// Half edge of the square that a leaf covers, in widths of a leaf. 0.5 would just close a surface whose leaves are all
-  /// occupied; gaps up to twice this are closed. (0, inf)
+  /// Half edge of the square that a leaf covers, in widths of a leaf. 0.5 would just close a surface whose leaves are
+  /// all occupied; gaps up to twice this are closed. (0, inf)
   double splat_radius_leaves = 0.6;
   /// How far the buffer goes beyond each border of the image, pixels. [0, inf)
   double margin_px = 0.0;
-  /// Only leaves on surfaces at least this extended hide others (see find_extended_nodes), so that what moved through an
-  /// uncleaned map hides nothing, nor do thin things; 0: every leaf hides. [0, 1]
+  /// Only leaves on surfaces at least this extended hide others (see find_extended_nodes), so that what moved through
+  /// an uncleaned map hides nothing, nor do thin things; 0: every leaf hides. [0, 1]
   double min_occluder_extent = 0.0;
 
   void validate() const;
@@ -50,11 +50,11 @@ struct ProjectedLeaf {
 std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector<uint32_t>& roots, const Camera& camera,
                                           const Rigid3& camera_from_map, const DepthBufferOptions& options);
 
-/// Draws the leaves that hide others into a depth buffer. Each covers a square of splat_radius_leaves around its mean, at the mean's
-/// range; the nearest wins (Z-buffer). A maximum filter of the winner's own size follows, so that together they are a
-/// morphological closing of the surface: gaps up to twice the radius are filled, while silhouettes stay where they are
-/// and a slanted plane keeps its ranges, which drawing alone would pull towards the camera by radius * tan(incidence).
-/// Linear in the leaves and in the cells.
+/// Draws the leaves that hide others into a depth buffer. Each covers a square of splat_radius_leaves around its mean,
+/// at the mean's range; the nearest wins (Z-buffer). A maximum filter of the winner's own size follows, so that
+/// together they are a morphological closing of the surface: gaps up to twice the radius are filled, while silhouettes
+/// stay where they are and a slanted plane keeps its ranges, which drawing alone would pull towards the camera by
+/// radius * tan(incidence). Linear in the leaves and in the cells.
 DepthBuffer render_depth_buffer(const std::vector<ProjectedLeaf>& leaves, double leaf_size_m, const Camera& camera,
                                 const DepthBufferOptions& options);
 

@@ -7,8 +7,8 @@
 
 namespace cpplus {
 
-/// Which nodes lie on an extended surface, rather than on a body that is small on its own: what people leave in a map as
-/// they walk by, specks, mixed pixels, thin plants. A map that nobody cleaned is full of such bodies, they stand
+/// Which nodes lie on an extended surface, rather than on a body that is small on its own: what people leave in a map
+/// as they walk by, specks, mixed pixels, thin plants. A map that nobody cleaned is full of such bodies, they stand
 /// anywhere, close to the camera too, and each would hide a large part of the view.
 ///
 /// A node's surroundings are the 3x3x3 nodes around it. In them the means of the occupied leaves spread over an area

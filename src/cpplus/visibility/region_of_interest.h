@@ -12,11 +12,18 @@
 namespace cpplus {
 
 struct VisibilityOptions {
+  /// "depth_buffer", or "hidden_points" for the operator of the paper (see remove_hidden_points).
+  std::string method = "depth_buffer";
   /// Roots farther than this from the camera are not looked at, metres. (0, inf)
   double max_distance_m = 20.0;
   /// Widening of the field of view beyond each border of the image, for the error of a coarse pose, degrees. [0, 90]
   double fov_widening_deg = 1.0;
-  /// How far a leaf's mean may lie behind the surface in the depth buffer, metres. [0, inf)
+  /// How many times the neighbours (of 26) of the visible leaves are added to them. [0, 8]
+  int dilation = 0;
+  /// hidden_points: radius of the sphere that the leaf centres are flipped over, in largest distances. [0.5, inf)
+  double radius_factor = 1000.0;
+  /// depth_buffer, as all that follow: how far a leaf's mean may lie behind the surface in the depth buffer, metres.
+  /// [0, inf)
   double depth_tolerance_m = 0.15;
   /// Edge of a cell of the depth buffer, in widths of a leaf seen at max_distance_m. (0, inf)
   double cell_leaves = 1.0;
@@ -28,8 +35,11 @@ struct VisibilityOptions {
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
+    visitor("method", method, "depth_buffer, or hidden_points: the hidden point removal operator.");
     visitor("max_distance_m", max_distance_m, "Roots farther than this from the camera are not looked at, metres.");
     visitor("fov_widening_deg", fov_widening_deg, "Widening of the field of view beyond each border, degrees.");
+    visitor("dilation", dilation, "How many times the neighbours of the visible leaves are added to them.");
+    visitor("radius_factor", radius_factor, "hidden_points: radius of the flipping sphere, in largest distances.");
     visitor("depth_tolerance_m", depth_tolerance_m, "How far a leaf may lie behind the surface drawn, metres.");
     visitor("cell_leaves", cell_leaves, "Edge of a cell of the depth buffer, in widths of a leaf at max_distance_m.");
     visitor("splat_radius_leaves", splat_radius_leaves, "Half edge of the square a leaf covers, in widths of a leaf.");
