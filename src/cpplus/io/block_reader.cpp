@@ -25,7 +25,7 @@ BlockReader::BlockReader(const std::string& path) : path_(path) {
   std::error_code failure;
   file_size_ = std::filesystem::file_size(path, failure);
   if (failure) throw Error(fmt::format("{}: cannot read: {}", path, failure.message()));
-  buffer_.resize(kBlockSize);
+  buffer_.resize(static_cast<size_t>(std::min<uint64_t>(kBlockSize, file_size_ + 1)));
 }
 
 bool BlockReader::refill(size_t wanted) {

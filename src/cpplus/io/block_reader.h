@@ -8,8 +8,8 @@
 
 namespace cpplus {
 
-/// Reads a file from front to back through one buffer of about 1 MiB, so that a reader's memory does not grow with
-/// the file. What it hands out is valid until the next call. Errors name the file.
+/// Reads a file from front to back through one buffer of at most 1 MiB (more for longer records), so that a reader's
+/// memory does not grow with the file. What it hands out is valid until the next call. Errors name the file.
 class BlockReader {
  public:
   explicit BlockReader(const std::string& path);

@@ -99,17 +99,17 @@ size_t count_points(const std::string& path, const RawHeader& raw) {
 
 /// A header must not make us reserve memory for points that the file cannot hold.
 void check_size(const BlockReader& reader, const PcdHeader& header) {
-  // An ASCII number takes a digit and a separator; the compressed size is checked by the decoder, which can expand
-  // three bytes to at most 264.
+  uint64_t available = reader.remaining();
   uint64_t smallest = header.record_size;
   if (header.encoding == PcdHeader::Encoding::kAscii) {
+    // A number takes a digit and a separator; the last line may lack its newline.
     smallest = 0;
     for (const PointField& field : header.fields) smallest += 2 * field.count;
+    available += 1;
   } else if (header.encoding == PcdHeader::Encoding::kBinaryCompressed) {
-    smallest = header.record_size / 88;
+    constexpr uint64_t kMaxExpansion = 88;  // LZF makes at most 264 bytes out of three
+    available *= kMaxExpansion;
   }
-  // The last line of an ASCII file may lack its newline.
-  const uint64_t available = reader.remaining() + (header.encoding == PcdHeader::Encoding::kAscii ? 1 : 0);
   if (smallest > 0 && header.num_points > available / smallest) {
     throw Error(fmt::format("{}: truncated: POINTS {} do not fit into the {} bytes after the header", reader.path(),
                             header.num_points, reader.remaining()));

@@ -164,7 +164,8 @@ TEST_F(PcdTest, LyingHeadersAndBrokenFilesAreErrors) {
   expect(header("x y z", "4 4 4", "F F F", "1 1 -1", 1, "ascii"), "bad COUNT '-1' of z");
   expect(header("x y z", "4 4 4", "F F F", "1 1 1", 1000000000, "binary") + std::string(24, 'a'),
          "truncated: POINTS 1000000000 do not fit into the 24 bytes");
-  expect(header("x y z", "4 4 4", "F F F", "1 1 1", 1000000000, "binary_compressed") + std::string(24, 'a'), "bad.pcd");
+  expect(header("x y z", "4 4 4", "F F F", "1 1 1", 1000000000, "binary_compressed") + std::string(24, 'a'),
+         "truncated: POINTS 1000000000 do not fit into the 24 bytes");
   std::string mismatch = header("x y z", "4 4 4", "F F F", "1 1 1", 2, "binary");
   mismatch.replace(mismatch.find("WIDTH 2"), 7, "WIDTH 3");
   expect(mismatch + std::string(36, 'a'), "POINTS 2 is not WIDTH 3 x HEIGHT 1");

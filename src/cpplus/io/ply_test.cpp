@@ -69,6 +69,18 @@ TEST_F(PlyTest, ColorsOfFloatingTypeRunToOne) {
   EXPECT_EQ(cloud.colors.at(0), (Rgb{0, 128, 255}));
 }
 
+TEST_F(PlyTest, ColorsNeedAllThreeChannels) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+  for (const char* missing : {"red", "green", "blue"}) {
+    std::string properties;
+    for (const std::string channel : {"red", "green", "blue"}) {
+      if (channel != missing) properties += "property uchar " + channel + "\n";
+    }
+    EXPECT_TRUE(read_point_cloud(write("c.ply", head + properties + "end_header\n1 2 3 4 5\n")).colors.empty());
+  }
+}
+
 TEST_F(PlyTest, WrittenCloudComesBackExactly) {
   PointCloud cloud;
   cloud.origin = {5000, -7000, 0};

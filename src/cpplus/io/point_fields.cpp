@@ -110,15 +110,17 @@ void assign_roles(std::vector<PointField>* fields) {
   for (PointField& field : *fields) field.role = PointRole::kNone;
   bool taken[kNumRoles] = {};
   for (const auto& [spelling, role] : kSpellings) {
-    bool& is_taken = taken[static_cast<size_t>(role)];
+    bool& role_taken = taken[static_cast<size_t>(role)];
     for (PointField& field : *fields) {
-      if (is_taken || field.count != 1 || bare_name(field.name) != spelling) continue;
+      if (role_taken || field.count != 1 || bare_name(field.name) != spelling) continue;
       if (role == PointRole::kPackedRgb && scalar_size(field.type) != 4) continue;
       field.role = role;
-      is_taken = true;
+      role_taken = true;
     }
   }
-  if (!taken[static_cast<size_t>(PointRole::kPackedRgb)]) return;
+  const auto is_taken = [&](PointRole role) { return taken[static_cast<size_t>(role)]; };
+  const bool has_channels = is_taken(PointRole::kRed) && is_taken(PointRole::kGreen) && is_taken(PointRole::kBlue);
+  if (has_channels && !is_taken(PointRole::kPackedRgb)) return;
   for (PointField& field : *fields) {
     if (field.role >= PointRole::kRed && field.role <= PointRole::kBlue) field.role = PointRole::kNone;
   }

@@ -33,7 +33,8 @@ struct PointField {
 
 /// Gives each field the role its name stands for, in the spellings of PCL, Open3D, CloudCompare and the usual LiDAR
 /// drivers; case and CloudCompare's "scalar_" do not matter. Of several fields for one role ("intensity" and
-/// "reflectivity") the more usual name gets it; a packed colour goes before single channels.
+/// "reflectivity") the more usual name gets it; a packed colour goes before single channels, which
+/// count only as all three.
 void assign_roles(std::vector<PointField>* fields);
 
 /// The value as PointCloud keeps it. Times of an integer type are nanoseconds (the drivers' habit) and become seconds;
