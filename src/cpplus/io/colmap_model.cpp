@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/text_parse.h"
@@ -16,23 +18,9 @@ constexpr double kPixelShift = 0.5;
 }  // namespace
 
 void shift_principal_point(CameraModel model, double shift, std::vector<double>* params) {
-  size_t first = 0;
-  switch (model) {
-    case CameraModel::kSimplePinhole:
-    case CameraModel::kSimpleRadial:
-    case CameraModel::kRadial:
-      first = 1;  // f, cx, cy
-      break;
-    case CameraModel::kPinhole:
-    case CameraModel::kOpenCv:
-    case CameraModel::kFullOpenCv:
-    case CameraModel::kOpenCvFisheye:
-      first = 2;  // fx, fy, cx, cy
-      break;
-    case CameraModel::kEquirectangular:
-      return;
-  }
-  for (size_t i = first; i < std::min(first + 2, params->size()); ++i) (*params)[i] += shift;
+  const std::optional<size_t> first = camera_model_principal_point_index(model);
+  if (!first) return;
+  for (size_t i = *first; i < std::min(*first + 2, params->size()); ++i) (*params)[i] += shift;
 }
 
 void SparseModelBuilder::add_camera(const std::string& where, uint32_t id, CameraModel model, uint64_t width,
