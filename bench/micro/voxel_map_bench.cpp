@@ -18,6 +18,7 @@ void build(benchmark::State& state, const World& world, int threads) {
   const PointCloud& cloud = cloud_of(world);
   set_num_threads(threads);
   for (auto _ : state) {
+    return_memory(&state);
     const VoxelMap map(cloud, {.root_size_m = 2.0, .leaf_size_m = leaf_size_m});
     state.counters["leaves"] = map.num_nodes(map.leaf_layer());
     state.counters["bytes_per_point"] = static_cast<double>(map.memory_bytes()) / static_cast<double>(map.num_points());

@@ -1,5 +1,9 @@
 #include "voxel_map_bench_cloud.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -99,6 +103,14 @@ Eigen::Vector3f room_center(const Eigen::Vector3f& position) {
   const Eigen::Array3f pitch = room_size.cast<float>().array() + 0.2f;
   const Eigen::Array3f index = ((position.array() + 20.017f + 0.1f) / pitch).floor();
   return index * pitch - 20.017f + 0.5f * room_size.cast<float>().array();
+}
+
+void return_memory(benchmark::State* state) {
+  state->PauseTiming();
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+  state->ResumeTiming();
 }
 
 }  // namespace cpplus::bench

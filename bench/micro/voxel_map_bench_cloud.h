@@ -1,5 +1,7 @@
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <Eigen/Core>
 #include <cstddef>
 #include <string>
@@ -29,6 +31,10 @@ inline constexpr double leaf_size_m = 0.0625;
 const PointCloud& cloud_of(const World& world);
 /// Centre of the room that holds point i of the cloud, for the peers that trace rays.
 Eigen::Vector3f room_center(const Eigen::Vector3f& position);
+
+/// Gives freed memory back to the system, outside the time measured. Each build then pays for its own memory, as it
+/// does in a program that builds one map; otherwise those that free small blocks would find theirs warm.
+void return_memory(benchmark::State* state);
 
 void register_pcl(const World& world);
 void register_open3d(const World& world);

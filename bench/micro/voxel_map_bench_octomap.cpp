@@ -12,6 +12,7 @@ constexpr size_t points_a_scan = 50000;
 void insertion(benchmark::State& state, const World& world) {
   const PointCloud& cloud = cloud_of(world);
   for (auto _ : state) {
+    return_memory(&state);
     octomap::OcTree tree(leaf_size_m);
     octomap::Pointcloud scan;
     Eigen::Vector3f origin = room_center(cloud.positions[0]);

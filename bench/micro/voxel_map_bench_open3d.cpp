@@ -10,6 +10,7 @@ void voxel_down_sample(benchmark::State& state, const World& world) {
   open3d::geometry::PointCloud cloud;
   for (const Eigen::Vector3f& x : cloud_of(world).positions) cloud.points_.push_back(x.cast<double>());
   for (auto _ : state) {
+    return_memory(&state);
     const auto centroids = cloud.VoxelDownSample(leaf_size_m);
     state.counters["leaves"] = static_cast<double>(centroids->points_.size());
   }

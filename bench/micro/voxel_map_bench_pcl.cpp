@@ -17,6 +17,7 @@ pcl::PointCloud<pcl::PointXYZ>::Ptr pcl_cloud(const World& world) {
 void voxel_grid(benchmark::State& state, const World& world) {
   const auto cloud = pcl_cloud(world);
   for (auto _ : state) {
+    return_memory(&state);
     pcl::VoxelGrid<pcl::PointXYZ> grid;
     grid.setInputCloud(cloud);
     grid.setLeafSize(leaf_size_m, leaf_size_m, leaf_size_m);
@@ -31,6 +32,7 @@ void voxel_grid(benchmark::State& state, const World& world) {
 void octree(benchmark::State& state, const World& world) {
   const auto cloud = pcl_cloud(world);
   for (auto _ : state) {
+    return_memory(&state);
     pcl::octree::OctreePointCloudSearch<pcl::PointXYZ> tree(leaf_size_m);
     tree.setInputCloud(cloud);
     tree.addPointsFromInputCloud();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <numeric>
 
 #include "cpplus/cloud/voxel_map_grid.h"
@@ -129,25 +128,58 @@ class GroupBuilder {
     }
   }
 
-  /// Opens nodes where the code changes: in the leaf layer, and in each layer above whose part of the code changes.
+  /// The leaves from the sorted codes, then each layer from the one below it. Without branches: whether a point opens a
+  /// leaf, or a node its parent, is what a processor cannot predict.
   void add_nodes(uint32_t begin) {
-    const int leaf = grid_.bits;
-    uint32_t previous = 0;
-    for (uint32_t i = 0; i < codes_.size(); ++i) {
+    const uint32_t size = static_cast<uint32_t>(codes_.size());
+    std::vector<uint32_t>& leaves = layers.back().first;
+    const size_t old_size = leaves.size();
+    leaves.resize(old_size + size);
+    node_codes_.resize(size);
+    uint32_t* first = leaves.data() + old_size;
+    uint32_t* codes = node_codes_.data();
+    // Each entry is written and then kept or overwritten by the next.
+    size_t count = 0;
+    for (uint32_t i = 0; i < size; ++i) {
       const uint32_t code = static_cast<uint32_t>(codes_[i] >> 32);
-      if (i > 0 && code == previous) continue;
-      const int highest_bit = 31 - std::countl_zero(code ^ previous);
-      for (int l = i == 0 ? 0 : leaf - highest_bit / 3; l <= leaf; ++l) {
-        if (l > 0) layers[l - 1].child_mask.back() |= static_cast<uint8_t>(1u << (code >> (3 * (leaf - l)) & 7u));
-        if (l == leaf) {
-          layers[l].first.push_back(begin + i);
-        } else {
-          layers[l].first.push_back(static_cast<uint32_t>(layers[l + 1].first.size()));
-          layers[l].child_mask.push_back(0);
-        }
-      }
-      previous = code;
+      const uint32_t before = i > 0 ? static_cast<uint32_t>(codes_[i - 1] >> 32) : ~code;
+      first[count] = begin + i;
+      codes[count] = code;
+      count += code != before;
     }
+    leaves.resize(old_size + count);
+    node_codes_.resize(count);
+    for (size_t l = layers.size() - 1; l > 0; --l) {
+      add_parents(static_cast<uint32_t>(layers[l].first.size() - node_codes_.size()), &layers[l - 1]);
+    }
+  }
+
+  /// Parents of the nodes whose codes are node_codes_, which become those of the parents.
+  void add_parents(uint32_t first_child, LayerNodes* layer) {
+    const uint32_t size = static_cast<uint32_t>(node_codes_.size());
+    const size_t old_size = layer->first.size();
+    layer->first.resize(old_size + size);
+    layer->child_mask.resize(old_size + size);
+    uint32_t* first = layer->first.data() + old_size;
+    uint8_t* masks = layer->child_mask.data() + old_size;
+    uint32_t* codes = node_codes_.data();
+    size_t count = 0;
+    uint32_t before = ~(codes[0] >> 3);
+    uint32_t mask = 0;
+    for (uint32_t i = 0; i < size; ++i) {
+      const uint32_t code = codes[i] >> 3;
+      const uint32_t octant_bit = 1u << (codes[i] & 7u);
+      const bool opens = code != before;
+      first[count] = first_child + i;
+      codes[count] = code;
+      count += opens;
+      mask = (opens ? 0u : mask) | octant_bit;
+      masks[count - 1] = static_cast<uint8_t>(mask);
+      before = code;
+    }
+    layer->first.resize(old_size + count);
+    layer->child_mask.resize(old_size + count);
+    node_codes_.resize(count);
   }
 
   /// Moments of the root's inner nodes: the lowest sum their points, the others the sums of their children.
@@ -201,6 +233,7 @@ class GroupBuilder {
   PointsByRoot& points_;
   CellBlock block_;
   std::vector<uint64_t> codes_, other_codes_;
+  std::vector<uint32_t> node_codes_;
   std::vector<Eigen::Vector3f> old_positions_;
   std::vector<uint32_t> old_indices_;
   std::vector<Sums> sums_, child_sums_;
