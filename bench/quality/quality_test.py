@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Tests of the parts of the quality benchmark that its figures depend on."""
+
+import math
+import pathlib
+import random
+import sys
+import tempfile
+import unittest
+
+import figures
+import poses
+
+
+def angle_deg_between(a, b):
+    relative = poses.multiply(poses.conjugate(a.q), b.q)
+    return math.degrees(2 * math.atan2(math.hypot(*relative[1:]), abs(relative[0])))
+
+
+class PosesTest(unittest.TestCase):
+    POSE = poses.Pose((0.5, 0.5, -0.5, 0.5), (1.0, -2.0, 3.0))
+
+    def test_quarter_turn_about_z_moves_x_to_y(self):
+        turned = poses.rotate((math.sqrt(0.5), 0, 0, math.sqrt(0.5)), (1, 0, 0))
+        for value, expected in zip(turned, (0, 1, 0)):
+            self.assertAlmostEqual(value, expected)
+
+    def test_disturbance_has_exactly_the_given_size(self):
+        generator = random.Random(3)
+        for _ in range(10):
+            moved = poses.disturb(self.POSE, 1.0, 0.05, generator)
+            self.assertAlmostEqual(angle_deg_between(self.POSE, moved), 1.0)
+            self.assertAlmostEqual(math.dist(poses.camera_center(self.POSE), poses.camera_center(moved)), 0.05)
+
+    def test_trials_differ_but_repeat_with_the_seed(self):
+        images = [poses.Image(self.POSE, 1, "a.jpg")]
+        first, reference = poses.disturbed_trials(images, 2, 1.0, 0.05, 7)
+        again, _ = poses.disturbed_trials(images, 2, 1.0, 0.05, 7)
+        self.assertEqual(first, again)
+        self.assertNotEqual(first[0].pose, first[1].pose)
+        self.assertEqual([i.name for i in first], ["t00/a.jpg", "t01/a.jpg"])
+        self.assertEqual([i.name for i in reference], ["t00/a.jpg", "t01/a.jpg"])
+        self.assertEqual(reference[1].pose, self.POSE)
+
+    def test_written_models_read_back(self):
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder) / "source"
+            source.mkdir()
+            (source / "cameras.txt").write_text("1 PINHOLE 4 3 1 1 2 1.5\n")
+            images = [poses.Image(self.POSE, 1, "a b.jpg"), poses.Image(self.POSE, 1, "c.jpg")]
+            poses.write_model(pathlib.Path(folder) / "copy", images, source)
+            self.assertEqual(poses.read_images(pathlib.Path(folder) / "copy"), images)
+
+
+class FiguresTest(unittest.TestCase):
+    @staticmethod
+    def evaluation(shifts):
+        return {"images": [{"name": n, "mean_shift_px": s} for n, s in shifts.items()]}
+
+    def test_summary_by_hand(self):
+        before = self.evaluation({"a": 8.0, "b": 6.0, "c": 4.0, "d": 2.0, "dark": None})
+        after = self.evaluation({"a": 0.5, "b": 1.5, "c": 4.0, "d": 3.5, "dark": None})
+        report = {"images": [
+            {"name": "a", "status": "refined", "milliseconds": {"total": 100.0}},
+            {"name": "b", "status": "refined", "milliseconds": {"total": 300.0}},
+            {"name": "c", "status": "kept_coarse", "milliseconds": {"total": 200.0}},
+            {"name": "d", "status": "refined", "milliseconds": {"total": 200.0}},
+        ]}
+        summary = figures.summarize(before, after, report)
+        self.assertEqual(summary["num_images"], 4)
+        self.assertEqual(summary["before_median_px"], 5.0)
+        self.assertEqual(summary["after_median_px"], 2.5)
+        self.assertEqual(summary["share_better"], 0.5)
+        self.assertEqual(summary["share_under_1_px"], 0.25)
+        self.assertEqual(summary["share_under_2_px"], 0.5)
+        self.assertEqual(summary["share_under_5_px"], 1.0)
+        self.assertEqual(summary["share_returned"], 0.75)
+        self.assertEqual(summary["num_accepted"], 3)
+        self.assertEqual(summary["accepted_worse"], ["d"])
+        self.assertAlmostEqual(summary["seconds_per_image"], 0.2)
+
+    def test_rows_have_as_many_cells_as_the_header(self):
+        summary = figures.summarize(self.evaluation({}), self.evaluation({}), {"images": []})
+        run = {"scene": "s", "start": "x", "kind": "truth", "error": "", "figures": summary, "peak_mb": 1.0}
+        columns = figures.REFINE_HEADER.splitlines()[0].count("|")
+        self.assertEqual(figures.refine_row(run).count("|"), columns)
+        self.assertEqual(figures.refine_row({**run, "error": "exit code 1: no"}).count("|"), columns)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
