@@ -8,6 +8,7 @@ namespace cpplus {
 void add_colorize_command(CommandLine* command_line);
 void add_evaluate_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);
+void add_simulate_command(CommandLine* command_line);
 void add_config_command(CommandLine* command_line);
 
 }  // namespace cpplus

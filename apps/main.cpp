@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
     cpplus::add_colorize_command(&command_line);
     cpplus::add_evaluate_command(&command_line);
     cpplus::add_info_command(&command_line);
+    cpplus::add_simulate_command(&command_line);
     cpplus::add_config_command(&command_line);
     return command_line.run(argc, argv);
   } catch (const cpplus::UsageError& error) {
