@@ -40,7 +40,7 @@ THIRD_PARTY = {
     "GoogleTest": (r"(gtest|gmock)/", {"tests"}),
     "peers": (r"(pcl|open3d|octomap|benchmark)/", {"tests", "bench"}),
 }
-POSIX = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll)\.h")
+PLATFORM = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll|malloc)\.h")
 EIGEN = re.compile(r"Eigen/")
 STANDARD = re.compile(r"[a-z_]+|(assert|errno|float|limits|math|signal|stddef|stdint|stdio|stdlib|string|time)\.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
@@ -70,7 +70,7 @@ def check_system_include(folder, is_header, is_test, included):
     is_public_header = is_header and folder in MAY_INCLUDE and not is_test
     if is_public_header:
         return "public headers include only the standard library and Eigen"
-    if POSIX.fullmatch(included):
+    if PLATFORM.fullmatch(included):
         return None
     for name, (pattern, folders) in THIRD_PARTY.items():
         if re.match(pattern, included):
