@@ -28,7 +28,7 @@ struct ViewSamplingOptions {
   double border_margin_px = 3.0;
   /// How far behind the depth buffer a point facing the camera still counts as the same surface; a slanted surface
   /// gets more, by 1 / cos(incidence). (0, inf)
-  double occlusion_tolerance_m = 0.06;
+  double occlusion_tolerance_m = 0.08;
   /// Background within this distance of something in front takes no colour (the pose is only that good), and the
   /// foreground's own rim there takes it only where no other image shows it better. [0, inf)
   double edge_margin_px = 4.0;
