@@ -13,6 +13,8 @@ namespace cpplus {
 namespace {
 
 constexpr uint8_t kMidGray = 128;
+/// Darker than most of what images show, so that points without a colour do not look like white walls.
+constexpr double kBrightestGray = 160.0;
 
 /// Offers a view to the points of one root. Samples are kept by map order, so that roots touch disjoint runs.
 void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
@@ -35,7 +37,7 @@ void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32
   }
 }
 
-/// Grey levels for points that no image shows: intensities with their 99th percentile at white.
+/// Grey levels for points that no image shows: intensities with their 99th percentile at kBrightestGray.
 std::vector<Rgb> gray_of_intensities(const PointCloud& cloud) {
   std::vector<Rgb> colors(cloud.size(), Rgb{kMidGray, kMidGray, kMidGray});
   if (cloud.intensities.empty()) return colors;
@@ -45,11 +47,12 @@ std::vector<Rgb> gray_of_intensities(const PointCloud& cloud) {
   if (sorted.empty()) return colors;
   const auto percentile = sorted.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sorted.size() - 1));
   std::nth_element(sorted.begin(), percentile, sorted.end());
-  const double white = *percentile;
-  if (!(white > 0.0)) return colors;
+  const double brightest = *percentile;
+  if (!(brightest > 0.0)) return colors;
   for (size_t i = 0; i < colors.size(); ++i) {
     if (!std::isfinite(cloud.intensities[i])) continue;
-    const auto gray = static_cast<uint8_t>(std::lround(255.0 * std::clamp(cloud.intensities[i] / white, 0.0, 1.0)));
+    const auto gray =
+        static_cast<uint8_t>(std::lround(kBrightestGray * std::clamp(cloud.intensities[i] / brightest, 0.0, 1.0)));
     colors[i] = {gray, gray, gray};
   }
   return colors;

@@ -169,8 +169,9 @@ TEST(Colorize, KeepsTheInputsOrderAndAttributesAndShowsUnseenPointsByIntensity) 
   EXPECT_EQ(result.cloud.num_views, (std::vector<uint16_t>{1, 0, 0, 1}));
   EXPECT_EQ(result.cloud.colors[0], (Rgb{1, 2, 3}));
   EXPECT_EQ(result.cloud.colors[3], (Rgb{1, 2, 3}));
-  // The 99th percentile of four intensities is the third: 50 is white, and so is what lies above.
-  EXPECT_EQ(result.cloud.colors[1], (Rgb{255, 255, 255}));
+  // The 99th percentile of four intensities is the third: 50 is as bright as grey gets, and so is what lies above.
+  EXPECT_EQ(result.cloud.colors[1], (Rgb{160, 160, 160}));
+  EXPECT_EQ(result.cloud.colors[2], (Rgb{160, 160, 160}));
   EXPECT_EQ(result.cloud.stamps_s, cloud.stamps_s);
   EXPECT_EQ(result.cloud.intensities, cloud.intensities);
   EXPECT_EQ(result.cloud.origin, cloud.origin);

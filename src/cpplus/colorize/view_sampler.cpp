@@ -84,7 +84,7 @@ std::optional<ColorSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camer
   if (around == Neighborhood::kHidden) return {};
 
   const double nearness = range / options_.reference_distance_m;
-  const double weight = cos_incidence / (1.0 + nearness * nearness) * position_weight(*pixel) *
+  const double weight = view_.weight * cos_incidence / (1.0 + nearness * nearness) * position_weight(*pixel) *
                         (around == Neighborhood::kRim ? kRimWeight : 1.0);
   return ColorSample{bilinear(view_.image, *pixel), weight};
 }

@@ -18,7 +18,8 @@ struct ColorView {
   ColorImage image;  // as recorded, not undistorted
   Camera camera;
   Rigid3 camera_from_map;
-  DepthBuffer depth;  // of the map from this pose
+  DepthBuffer depth;    // of the map from this pose
+  double weight = 1.0;  // of all its samples, (0, 1]: less for an image that is blurred, for example
 };
 
 struct ViewSamplingOptions {

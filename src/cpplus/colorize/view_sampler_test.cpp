@@ -97,6 +97,12 @@ TEST_F(ViewSamplerTest, WeightFallsWithDistanceIncidenceAndTowardsTheCorners) {
   EXPECT_NEAR(sample(outwards, outwards.normalized())->weight, 0.5 * 0.52, 1e-9);
 }
 
+TEST_F(ViewSamplerTest, WeightIsScaledByThatOfTheView) {
+  const double whole = sample(point_at(80, 40, 4))->weight;
+  view_.weight = 0.1;
+  EXPECT_NEAR(sample(point_at(80, 40, 4))->weight, 0.1 * whole, 1e-12);
+}
+
 TEST_F(ViewSamplerTest, IgnoresTheBorderAndWhatIsTooFar) {
   EXPECT_FALSE(sample(point_at(97.5, 40, 4)));
   EXPECT_TRUE(sample(point_at(96.5, 40, 4)));

@@ -8,6 +8,7 @@
 #include "cpplus/core/log.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/progress.h"
+#include "cpplus/features/blur.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
@@ -31,6 +32,9 @@ void check_output(const std::string& path) {
 /// Edge of a cell of the depth buffer: finer cells leave gaps between the leaves of near surfaces, coarser ones blur
 /// the edges that colours must not cross.
 constexpr double kDepthCellPx = 2.0;
+
+/// A motion-blurred image gives colours where no sharp one does.
+constexpr double kBlurredWeight = 0.1;
 
 DepthBuffer depth_of_view(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
                           double max_distance_m) {
@@ -79,6 +83,7 @@ class ViewReader {
       return std::nullopt;
     }
     view.name = posed.name;
+    if (measure_blur(to_gray(view.image), {}).blurred) view.weight = kBlurredWeight;
     view.camera = camera;
     view.camera_from_map = posed.camera_from_map;
     view.depth = depth_of_view(map_, camera, posed.camera_from_map, options_.color.sampling.max_distance_m);
