@@ -107,6 +107,57 @@ void write_models(const SimulatedWorld& world, const std::string& directory) {
   write_text_file(directory + "/truth/extrinsic.json", nlohmann::json({{"T_lidar_cam", rows}}).dump(1) + "\n");
 }
 
+nlohmann::json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+void write_checkerboards(const SimulatedWorld& world, const std::string& directory) {
+  constexpr double kDetectableSpacingPx = 5.0;
+  constexpr double kColmapOffset = 0.5;
+  nlohmann::json boards = nlohmann::json::array();
+  for (size_t b = 0; b < world.scene.boards.size(); ++b) {
+    const Checkerboard& board = world.scene.boards[b];
+    nlohmann::json corners = nlohmann::json::array();
+    for (const Eigen::Vector3d& corner : board.corners) corners.push_back(vector_json(corner));
+    nlohmann::json images = nlohmann::json::object();
+    for (const BoardView& view : world.board_views) {
+      if (view.board != b) continue;
+      nlohmann::json pixels = nlohmann::json::array();
+      for (const Eigen::Vector2d& p : view.corners_px) pixels.push_back({p.x() + kColmapOffset, p.y() + kColmapOffset});
+      const SimulatedImage& image = world.images[view.image];
+      images[image.name] = {{"corners_2d", pixels},
+                            {"min_corner_spacing_px", view.min_spacing_px},
+                            {"blurred", image.blur_px > 0.0},
+                            {"detectable", image.blur_px == 0.0 && view.min_spacing_px >= kDetectableSpacingPx},
+                            {"distance_m", view.distance_m}};
+    }
+    boards.push_back({{"name", board.name},
+                      {"inner_cols", board.inner_columns},
+                      {"inner_rows", board.inner_rows},
+                      {"square_m", board.square_m},
+                      {"corners_3d", corners},
+                      {"images", images}});
+  }
+  const nlohmann::json document = {
+      {"pixel_convention", "COLMAP: the centre of the top-left pixel is (0.5, 0.5); subtract 0.5 for OpenCV"},
+      {"order", "row-major, as seen from the front: left to right, top to bottom"},
+      {"frame", "map, metres"},
+      {"boards", boards}};
+  write_text_file(directory + "/truth/checkerboards.json", document.dump() + "\n");
+}
+
+void write_edges(const SimulatedWorld& world, const std::string& directory) {
+  nlohmann::json edges = nlohmann::json::array();
+  for (const TrueEdge& edge : world.edges) {
+    edges.push_back({{"begin", vector_json(edge.begin)},
+                     {"end", vector_json(edge.end)},
+                     {"normal_a", vector_json(edge.normal_a)},
+                     {"normal_b", vector_json(edge.normal_b)},
+                     {"convex", edge.convex},
+                     {"objects", {world.scene.objects[edge.object_a], world.scene.objects[edge.object_b]}}});
+  }
+  const nlohmann::json document = {{"frame", "map, metres; normals point out of the solids"}, {"edges", edges}};
+  write_text_file(directory + "/truth/edges.json", document.dump() + "\n");
+}
+
 }  // namespace
 
 SparseModel sparse_model_of(const SimulatedWorld& world, const std::vector<Rigid3>& camera_from_map) {
@@ -124,11 +175,15 @@ SimulationSummary write_world(const SimulatedWorld& world, const std::string& di
   write_scans(world, directory);
   write_images(world, directory);
   write_models(world, directory);
+  write_checkerboards(world, directory);
+  write_edges(world, directory);
   SimulationSummary summary;
   summary.images = world.images.size();
   summary.scans = world.scans.size();
   summary.map_points = world.map.size();
   summary.moving_map_points = static_cast<size_t>(std::count(world.map_labels.begin(), world.map_labels.end(), 1));
+  summary.checkerboards = world.scene.boards.size();
+  summary.true_edges = world.edges.size();
   return summary;
 }
 

@@ -50,11 +50,19 @@ void add_legs(SceneDraft& draft, double half_x, double half_y, double height, do
   }
 }
 
-/// A plate of the given front material whose front faces +y and starts at (0, 0) = lower left seen from the front.
+/// A plate whose front (material `front`, at y = thickness) faces +y; u and v of the front start at its lower left
+/// corner as seen from the front.
 void add_plate(SceneDraft& draft, double width, double height, double thickness, uint32_t front, uint32_t body) {
   const double x = 0.5 * width;
-  draft.builder.add_box({-x, 0.0, 0.0}, {x, thickness, height}, body);
-  draft.builder.add_quad({x, thickness + 0.0015, 0.0}, {-width, 0.0, 0.0}, {0.0, 0.0, height}, front);
+  const Vector3d right(width, 0.0, 0.0);
+  const Vector3d deep(0.0, thickness, 0.0);
+  const Vector3d up(0.0, 0.0, height);
+  draft.builder.add_quad({x, thickness, 0.0}, -right, up, front);
+  draft.builder.add_quad({-x, 0.0, 0.0}, right, up, body);
+  draft.builder.add_quad({-x, 0.0, 0.0}, up, deep, body);
+  draft.builder.add_quad({x, 0.0, 0.0}, deep, up, body);
+  draft.builder.add_quad({-x, 0.0, 0.0}, deep, right, body);
+  draft.builder.add_quad({-x, 0.0, height}, right, deep, body);
 }
 
 Rigid3 tilted_back(const Rigid3& frame, const Vector3d& offset, double tilt_rad) {
@@ -88,7 +96,7 @@ void add_bookshelf(SceneDraft& draft, const Rigid3& frame, double width_m) {
 void add_cabinet(SceneDraft& draft, const Rigid3& frame, double width_m) {
   draft.begin("cabinet", frame);
   const uint32_t body =
-      draft.chance(0.5) ? wood_material(draft) : draft.material(Pattern::kPlain, draft.pick_color(0.3f, 0.6f));
+      draft.chance(0.5) ? wood_material(draft) : draft.material(Pattern::kPlain, draft.pick_muted(0.3f, 0.6f));
   const double x = 0.5 * width_m;
   const double depth = draft.pick(0.4, 0.55);
   const double height = draft.pick(0.8, 1.9);
@@ -111,7 +119,7 @@ void add_cabinet(SceneDraft& draft, const Rigid3& frame, double width_m) {
 void add_desk(SceneDraft& draft, const Rigid3& frame, double width_m) {
   draft.begin("desk", frame);
   const uint32_t top = wood_material(draft);
-  const uint32_t steel = draft.material(Pattern::kPlain, draft.pick_color(0.1f, 0.5f));
+  const uint32_t steel = draft.material(Pattern::kPlain, draft.pick_muted(0.1f, 0.5f));
   const double x = 0.5 * width_m;
   constexpr double kDepth = 0.7;
   draft.builder.add_box({-x, 0.02, 0.71}, {x, kDepth, 0.74}, top);
@@ -136,7 +144,7 @@ void add_desk(SceneDraft& draft, const Rigid3& frame, double width_m) {
 void add_table(SceneDraft& draft, const Rigid3& frame, double length_m, double width_m) {
   draft.begin("table", frame);
   const uint32_t top = wood_material(draft);
-  const uint32_t legs = draft.material(Pattern::kPlain, draft.pick_color(0.06f, 0.25f));
+  const uint32_t legs = draft.material(Pattern::kPlain, draft.pick_muted(0.06f, 0.25f));
   const double x = 0.5 * length_m;
   const double y = 0.5 * width_m;
   draft.builder.add_box({-x, -y, 0.71}, {x, y, 0.75}, top);
@@ -176,7 +184,7 @@ void add_plant(SceneDraft& draft, const Rigid3& frame) {
     leaves.push_back(draft.material(Pattern::kPlain, Vector3f(0.10f, 0.30f, 0.07f) * tone));
   }
   draft.builder.add_cylinder({0, 0, 0}, {0, 0, 0.3}, 0.13, 0.17, pot);
-  draft.builder.add_cylinder({0, 0, 0.3}, {0, 0, 0.9}, 0.02, 0.015, trunk, 8);
+  draft.builder.add_cylinder({0, 0, 0.3}, {0, 0, 1.2}, 0.02, 0.012, trunk, 8);
   const double height = draft.pick(1.1, 1.5);
   for (int i = 0; i < 130; ++i) {
     Vector3d center(draft.random.normal(), draft.random.normal(), draft.random.normal());
@@ -273,7 +281,7 @@ void add_checkerboard(SceneDraft& draft, const Rigid3& frame, double tilt_rad, d
   add_plate(draft, width, height, kThickness, squares, back);
   for (int row = 0; row < board.inner_rows; ++row) {
     for (int column = 0; column < board.inner_columns; ++column) {
-      board.corners.push_back(plate * Vector3d(0.5 * width - (1.5 + column) * board.square_m, kThickness + 0.0015,
+      board.corners.push_back(plate * Vector3d(0.5 * width - (1.5 + column) * board.square_m, kThickness,
                                                height - (1.5 + row) * board.square_m));
     }
   }

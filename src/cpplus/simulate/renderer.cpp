@@ -17,23 +17,19 @@ using Eigen::Vector3f;
 
 constexpr float kContrastForMoreSamples = 0.06f;  // relative spread of a pixel's first samples
 constexpr int kBlurSide = 4;                      // squared = samples a pixel of a blurred image
+constexpr int kMeteringGrid = 48;                 // squared = rays that set the exposure
+constexpr float kMiddleGrey = 0.20f;
+constexpr float kWhite = 1.25f;  // exposed radiance at which the sensor saturates
 
 float to_srgb(float linear) {
   const float x = std::clamp(linear, 0.0f, 1.0f);
   return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
 }
 
-/// Exposure that puts the logarithmic mean of the image at a fixed grey, as a camera's automatic does.
-float auto_exposure(const Image<Vector3f>& linear) {
-  double sum = 0.0;
-  size_t count = 0;
-  for (size_t i = 0; i < linear.pixels.size(); i += 7) {
-    const float value = linear.pixels[i].mean();
-    if (value <= 0.0f) continue;
-    sum += std::log(std::max(1e-4f, value));
-    ++count;
-  }
-  return count == 0 ? 1.0f : static_cast<float>(0.20 / std::exp(sum / static_cast<double>(count)));
+/// Soft shoulder: highlights approach white instead of running into it.
+float shoulder(float linear) {
+  constexpr float kKnee = 0.6f;
+  return linear < kKnee ? linear : kKnee + (1.0f - kKnee) * (1.0f - std::exp((kKnee - linear) / (1.0f - kKnee)));
 }
 
 }  // namespace
@@ -70,6 +66,15 @@ Rigid3 Renderer::camera_from_map(double time_s) const {
 
 double Renderer::row_time(const Shot& shot, double row) const {
   return shot.stamp_s + options_.readout_s * (row / std::max(1, camera_.height() - 1) - 0.5);
+}
+
+std::optional<Vector2d> Renderer::project(const Shot& shot, const Eigen::Vector3d& x_in_map) const {
+  constexpr int kIterations = 4;  // a row shift of a pixel changes the pose by far less than a pixel
+  std::optional<Vector2d> pixel = camera_.project(camera_from_map(shot.stamp_s) * x_in_map);
+  for (int i = 0; pixel && options_.readout_s > 0.0 && i < kIterations; ++i) {
+    pixel = camera_.project(camera_from_map(row_time(shot, pixel->y())) * x_in_map);
+  }
+  return pixel;
 }
 
 Renderer::RowPose Renderer::pose_at(const Shot& shot, double row, double shutter) const {
@@ -122,8 +127,8 @@ Vector3f Renderer::radiance(const RowPose& pose, const BodyPoses& bodies, const 
   return albedo(material, hit->uv, footprint).cwiseProduct(incoming);
 }
 
-Vector3f Renderer::sample_cells(const Shot& shot, const RowPose& row_pose, const BodyPoses& bodies, int x, int y,
-                                int side, int round, float* contrast) const {
+Vector3f Renderer::sample_cells(const Shot& shot, const RowPose& row_pose, const BodyPoses& bodies, float gain, int x,
+                                int y, int side, int round, float* contrast) const {
   const uint64_t pixel = static_cast<uint64_t>(y) * static_cast<uint64_t>(camera_.width()) + static_cast<uint64_t>(x);
   Random random(hash_seed(shot.seed, pixel, static_cast<uint64_t>(round)));
   const int count = side * side;
@@ -141,7 +146,8 @@ Vector3f Renderer::sample_cells(const Shot& shot, const RowPose& row_pose, const
     Vector3f ray = Vector3f::Zero();
     Vector3f value = Vector3f::Zero();
     if (bearing(px, py, &ray)) value = radiance(pose, bodies, ray);
-    value = value.cwiseMin(8.0f);
+    // Saturation before averaging: a lamp does not grow by the pixels that it only touches.
+    value = value.cwiseMin(kWhite / gain);
     sum += value;
     low = std::min(low, value.mean());
     high = std::max(high, value.mean());
@@ -150,39 +156,60 @@ Vector3f Renderer::sample_cells(const Shot& shot, const RowPose& row_pose, const
   return sum / static_cast<float>(count);
 }
 
-void Renderer::render_row(const Shot& shot, int y, Image<Vector3f>* linear) const {
+void Renderer::render_row(const Shot& shot, float gain, int y, Image<Vector3f>* linear) const {
   const int side = static_cast<int>(std::ceil(std::sqrt(std::max(1, options_.samples_per_pixel))));
   const RowPose pose = pose_at(shot, y, 0.0);
   const BodyPoses bodies = body_poses(tracer_.scene(), row_time(shot, y));
   for (int x = 0; x < camera_.width(); ++x) {
     float contrast = 0.0f;
     if (shot.blur_px > 0.0) {
-      linear->at(x, y) = sample_cells(shot, pose, bodies, x, y, std::max(side, kBlurSide), 0, &contrast);
+      linear->at(x, y) = sample_cells(shot, pose, bodies, gain, x, y, std::max(side, kBlurSide), 0, &contrast);
       continue;
     }
-    const Vector3f first = sample_cells(shot, pose, bodies, x, y, side, 0, &contrast);
+    const Vector3f first = sample_cells(shot, pose, bodies, gain, x, y, side, 0, &contrast);
     if (contrast < kContrastForMoreSamples) {
       linear->at(x, y) = first;
       continue;
     }
     // The first samples only decide; averaging them in as well would favour whatever made them differ.
-    linear->at(x, y) = sample_cells(shot, pose, bodies, x, y, 2 * side, 1, &contrast);
+    linear->at(x, y) = sample_cells(shot, pose, bodies, gain, x, y, 2 * side, 1, &contrast);
   }
 }
 
+/// As a camera's automatic: the logarithmic mean becomes a middle grey, unless the brightest tenth would be lost.
+float Renderer::metered_gain(const Shot& shot) const {
+  std::vector<float> values;
+  double sum_of_logs = 0.0;
+  for (int i = 0; i < kMeteringGrid; ++i) {
+    const double y = (i + 0.5) * camera_.height() / kMeteringGrid - 0.5;
+    const RowPose pose = pose_at(shot, y, 0.0);
+    const BodyPoses bodies = body_poses(tracer_.scene(), row_time(shot, y));
+    for (int k = 0; k < kMeteringGrid; ++k) {
+      Vector3f ray = Vector3f::Zero();
+      if (!bearing((k + 0.5) * camera_.width() / kMeteringGrid - 0.5, y, &ray)) continue;
+      values.push_back(std::max(1e-4f, radiance(pose, bodies, ray).mean()));
+      sum_of_logs += std::log(values.back());
+    }
+  }
+  if (values.empty()) return 1.0f;
+  const auto bright = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+  std::nth_element(values.begin(), bright, values.end());
+  const auto mean = static_cast<float>(std::exp(sum_of_logs / static_cast<double>(values.size())));
+  return std::min(kMiddleGrey / mean, 0.85f / *bright);
+}
+
 ColorImage Renderer::render(const Shot& shot) const {
+  Random shot_random(hash_seed(shot.seed, 0xE1));
+  const float gain = metered_gain(shot) * static_cast<float>(std::exp(options_.exposure_sigma * shot_random.normal()));
   Image<Vector3f> linear(camera_.width(), camera_.height(), Vector3f::Zero());
   parallel_for_each(static_cast<size_t>(camera_.height()),
-                    [&](size_t row) { render_row(shot, static_cast<int>(row), &linear); });
-  Random shot_random(hash_seed(shot.seed, 0xE1));
-  const float gain =
-      auto_exposure(linear) * static_cast<float>(std::exp(options_.exposure_sigma * shot_random.normal()));
+                    [&](size_t row) { render_row(shot, gain, static_cast<int>(row), &linear); });
   ColorImage image(camera_.width(), camera_.height());
   parallel_for_chunks(linear.pixels.size(), 65536, [&](size_t begin, size_t end) {
     Random random(hash_seed(shot.seed, 0xA5, begin));
     for (size_t i = begin; i < end; ++i) {
       for (int k = 0; k < 3; ++k) {
-        const float value = to_srgb(gain * linear.pixels[i][k]);
+        const float value = to_srgb(shoulder(gain * linear.pixels[i][k]));
         // Shot noise, flattened by the gamma curve, plus what the electronics add.
         const double noise =
             options_.noise_grey * random.normal() * (0.6 + 0.8 * std::sqrt(value * (1.0f - 0.5f * value)));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cpplus/core/image.h"
@@ -51,6 +52,10 @@ class Renderer {
   /// camera_from_map at an instant.
   Rigid3 camera_from_map(double time_s) const;
 
+  /// Pixel of a map point in the middle of the exposure, at the instant its row is read out; nothing where the camera
+  /// model gives none.
+  std::optional<Eigen::Vector2d> project(const Shot& shot, const Eigen::Vector3d& x_in_map) const;
+
   ColorImage render(const Shot& shot) const;
 
   /// Distance along the ray of the static scene at pixels (step * i + offset, step * j + offset), 0 = none. Rays go
@@ -71,9 +76,10 @@ class Renderer {
   double row_time(const Shot& shot, double row) const;
   Eigen::Vector3f radiance(const RowPose& pose, const BodyPoses& bodies,
                            const Eigen::Vector3f& bearing_in_camera) const;
-  void render_row(const Shot& shot, int row, Image<Eigen::Vector3f>* linear) const;
-  Eigen::Vector3f sample_cells(const Shot& shot, const RowPose& pose, const BodyPoses& bodies, int x, int y, int side,
-                               int round, float* contrast) const;
+  float metered_gain(const Shot& shot) const;
+  void render_row(const Shot& shot, float gain, int row, Image<Eigen::Vector3f>* linear) const;
+  Eigen::Vector3f sample_cells(const Shot& shot, const RowPose& pose, const BodyPoses& bodies, float gain, int x, int y,
+                               int side, int round, float* contrast) const;
 
   const Tracer& tracer_;
   const SoftLight& light_;

@@ -12,6 +12,10 @@ const std::vector<std::string>& scene_names() {
 
 Scene build_scene(const std::string& name, uint64_t seed) {
   if (name == "room") return build_room(seed);
+  if (name == "rooms") return build_rooms(seed);
+  if (name == "hall") return build_hall(seed);
+  if (name == "street") return build_street(seed);
+  if (name == "corridor") return build_corridor(seed);
   throw UsageError("option scene must be room, rooms, hall, street or corridor, got " + name);
 }
 

@@ -64,6 +64,11 @@ Vector3f SceneDraft::pick_color(float low, float high) {
   return color;
 }
 
+Vector3f SceneDraft::pick_muted(float low, float high) {
+  const Vector3f color = pick_color(low, high);
+  return color + 0.7f * (Vector3f::Constant(color.mean()) - color);
+}
+
 Vector3f SceneDraft::pick_paint() {
   return pick_of({{0.62f, 0.58f, 0.50f},
                   {0.55f, 0.60f, 0.58f},
@@ -112,7 +117,7 @@ void add_wall(SceneDraft& draft, const Vector2d& a, const Vector2d& b, const std
 }
 
 void add_door(SceneDraft& draft, const Rigid3& wall, const WallOpening& o, double thickness_m, double open_rad) {
-  const uint32_t frame = draft.material(Pattern::kPlain, draft.pick_color(0.25f, 0.6f));
+  const uint32_t frame = draft.material(Pattern::kPlain, draft.pick_muted(0.25f, 0.6f));
   draft.begin("door_frame", wall);
   constexpr double kWidth = 0.07;
   constexpr double kProud = 0.02;
@@ -132,7 +137,7 @@ void add_door(SceneDraft& draft, const Rigid3& wall, const WallOpening& o, doubl
 }
 
 void add_window(SceneDraft& draft, const Rigid3& wall, const WallOpening& o, double thickness_m) {
-  const uint32_t bars = draft.material(Pattern::kPlain, draft.pick_color(0.55f, 0.75f));
+  const uint32_t bars = draft.material(Pattern::kPlain, draft.pick_muted(0.5f, 0.7f));
   draft.begin("window", wall);
   constexpr double kBar = 0.06;
   const double y0 = -0.75 * thickness_m;

@@ -29,6 +29,8 @@ class SceneDraft {
   bool chance(double probability) { return random.uniform() < probability; }
   double pick(double low, double high) { return random.uniform(low, high); }
   Eigen::Vector3f pick_color(float low, float high);
+  /// A colour close to grey.
+  Eigen::Vector3f pick_muted(float low, float high);
   /// A muted paint for walls.
   Eigen::Vector3f pick_paint();
   Eigen::Vector3f pick_of(std::initializer_list<Eigen::Vector3f> colors);

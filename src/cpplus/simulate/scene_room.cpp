@@ -42,7 +42,7 @@ Scene build_room(uint64_t seed) {
   room.openings[1] = {{window, window + draft.pick(1.2, 1.8), 0.95, 2.1}};
 
   const bool tiled = draft.chance(0.5);
-  const Eigen::Vector3f floor_color = draft.pick_color(0.2f, 0.45f);
+  const Eigen::Vector3f floor_color = draft.pick_muted(0.2f, 0.45f);
   const uint32_t floor = draft.material(
       tiled ? Pattern::kTiles : Pattern::kCarpet, floor_color,
       tiled ? Eigen::Vector3f(0.3f * floor_color) : Eigen::Vector3f(0.75f * floor_color), tiled ? 0.45f : 0.5f);

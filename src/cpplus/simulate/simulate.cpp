@@ -70,6 +70,17 @@ Way standing_way(const Way& way, uint64_t seed) {
   return standing;
 }
 
+/// Whether a body ever comes so near to the LiDAR that it would walk through it.
+bool runs_into(const MovingBody& body, const Path& path) {
+  constexpr double kStep = 0.1;
+  constexpr double kNear = 0.45;
+  for (double time = 0.0; time < path.duration_s(); time += kStep) {
+    const Vector3d offset = body.map_from_body(time) * body.pivot - path.map_from_lidar(time).translation;
+    if (offset.head<2>().norm() < kNear) return true;
+  }
+  return false;
+}
+
 /// `count` instants spread evenly over the middle of the way, each moved a little.
 std::vector<double> spread_stamps(int count, double duration_s, double jitter, uint64_t seed) {
   Random random(seed);
@@ -192,6 +203,9 @@ void take_images(const Tracer& tracer, const Path& path, const SimulateOptions& 
     image.blur_px = shot.blur_px;
     image.blur_direction_rad = shot.blur_direction_rad;
     image.shows_moving = renderer.moving_share(shot, 8) > kMovingShare;
+    for (BoardView& view : find_board_views(tracer, renderer, world->camera, shot, world->images.size())) {
+      world->board_views.push_back(std::move(view));
+    }
     world->images.push_back(std::move(image));
   }
 }
@@ -239,12 +253,14 @@ SimulatedWorld simulate_world(const SimulateOptions& options) {
   world.camera = make_camera(options);
   world.lidar_from_camera = make_extrinsic(seed);
   const Path path(options.standing ? standing_way(world.scene.way, seed) : world.scene.way);
+  std::erase_if(world.scene.bodies, [&](const MovingBody& body) { return runs_into(body, path); });
   const Tracer tracer(world.scene);
 
   world.scans = take_scans(tracer, path, options);
   accumulate_map(world.scans, options.map_voxel_m, &world);
   take_images(tracer, path, options, &world);
   fit_images_to_map(tracer, &world);
+  world.edges = find_true_edges(tracer);
 
   std::vector<double> stamps;
   for (const SimulatedImage& image : world.images) stamps.push_back(image.stamp_s);

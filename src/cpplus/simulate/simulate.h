@@ -10,10 +10,12 @@
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/rigid3.h"
 #include "cpplus/geometry/trajectory.h"
+#include "cpplus/simulate/board_views.h"
 #include "cpplus/simulate/coarse_poses.h"
 #include "cpplus/simulate/lidar.h"
 #include "cpplus/simulate/renderer.h"
 #include "cpplus/simulate/scene.h"
+#include "cpplus/simulate/true_edges.h"
 
 namespace cpplus {
 
@@ -96,6 +98,8 @@ struct SimulatedWorld {
   std::vector<uint8_t> map_labels;  // 1 = point of a moving body
   std::vector<uint32_t> map_scans;  // scan of each map point
   std::vector<CoarsePoses> coarse;
+  std::vector<TrueEdge> edges;         // of the static scene
+  std::vector<BoardView> board_views;  // by image, then board
 };
 
 /// Builds the scene, walks through it, scans and photographs it. The same options give the same world to the last bit,

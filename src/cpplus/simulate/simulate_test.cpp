@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cpplus/core/error.h"
@@ -57,6 +58,95 @@ TEST(SimulateWorld, SameSeedSameWorldForAnyNumberOfThreads) {
   const SimulatedWorld two = simulate_world(small("room"));
   set_num_threads(0);
   expect_same(one, two);
+}
+
+TEST(SimulateWorld, LabelsMarkTheReturnsOfMovingBodies) {
+  SimulateOptions options = small("hall");
+  options.lidar.divergence_mrad = 0.0;
+  options.lidar.range_noise_m = 0.0;
+  options.scans = 6;
+  const SimulatedWorld world = simulate_world(options);
+  ASSERT_FALSE(world.scene.bodies.empty());
+  const Tracer tracer(world.scene);
+  size_t moving = 0;
+  size_t disagreeing = 0;
+  for (const SimulatedScan& scan : world.scans) {
+    const BodyPoses bodies = body_poses(world.scene, scan.stamp_s);
+    const Vector3d origin = scan.true_map_from_lidar.translation;
+    for (size_t i = 0; i < scan.scan.points.size(); ++i) {
+      const Vector3d ray = (scan.true_map_from_lidar * scan.scan.points.point(i) - origin).normalized();
+      const auto hit = tracer.trace(origin.cast<float>(), ray.cast<float>(), bodies);
+      const auto behind = tracer.trace_static(origin.cast<float>(), ray.cast<float>());
+      if (!hit || (hit->body >= 0) != (scan.scan.labels[i] == 1)) {
+        ++disagreeing;  // a ray that grazes a silhouette may fall on the other side by rounding
+        continue;
+      }
+      if (scan.scan.labels[i] == 1) {
+        ++moving;
+        ASSERT_TRUE(!behind || behind->range > scan.scan.points.point(i).norm() - 1e-3);
+      }
+    }
+  }
+  EXPECT_GT(moving, 20u);
+  EXPECT_LT(disagreeing, 5u);
+  const auto labelled = static_cast<size_t>(std::count(world.map_labels.begin(), world.map_labels.end(), 1));
+  EXPECT_GT(labelled, 10u);
+  EXPECT_LT(labelled, world.map.size() / 5);
+
+  options.moving = false;
+  const SimulatedWorld still = simulate_world(options);
+  EXPECT_EQ(std::count(still.map_labels.begin(), still.map_labels.end(), 1), 0);
+}
+
+TEST(SimulateWorld, AStandingSolidStateLidarCoversWhatTheImagesSee) {
+  SimulateOptions options = small("room");
+  options.standing = true;
+  options.lidar.pattern = "solid_state";
+  options.lidar.beams = 20000;
+  const SimulatedWorld world = simulate_world(options);
+  for (const SimulatedScan& scan : world.scans) {
+    EXPECT_EQ(scan.true_map_from_lidar.translation, world.scans[0].true_map_from_lidar.translation);
+  }
+  for (const SimulatedImage& image : world.images) {
+    size_t inside = 0;
+    for (size_t i = 0; i < world.map.size(); ++i) {
+      const auto pixel = world.camera.project(image.camera_from_map * world.map.point(i));
+      if (pixel && world.camera.in_image(*pixel)) ++inside;
+    }
+    EXPECT_GT(inside, world.map.size() / 3);
+  }
+}
+
+TEST(SimulateWorld, BoardViewsAreWhereTheMeshIsSeen) {
+  SimulateOptions options = small("room");
+  options.width = 640;
+  options.height = 480;
+  options.images = 6;
+  options.blurred = 0;
+  const SimulatedWorld world = simulate_world(options);
+  ASSERT_EQ(world.scene.boards.size(), 3u);
+  ASSERT_FALSE(world.board_views.empty());
+  for (const BoardView& view : world.board_views) {
+    const SimulatedImage& image = world.images[view.image];
+    const Checkerboard& board = world.scene.boards[view.board];
+    ASSERT_EQ(view.corners_px.size(), board.corners.size());
+    const auto first = world.camera.project(image.camera_from_map * board.corners[0]);
+    ASSERT_TRUE(first.has_value());
+    EXPECT_LT((*first - view.corners_px[0]).norm(), 1e-9);
+    // The four squares around an inner corner: two dark, two bright, crosswise.
+    const size_t i = 1 + static_cast<size_t>(board.inner_columns);
+    const Eigen::Vector2d right = 0.5 * (view.corners_px[i + 1] - view.corners_px[i]);
+    const Eigen::Vector2d down =
+        0.5 * (view.corners_px[i + static_cast<size_t>(board.inner_columns)] - view.corners_px[i]);
+    if (view.min_spacing_px < 6.0) continue;
+    const auto grey = [&](double a, double b) {
+      const Eigen::Vector2d p = view.corners_px[i] + a * right + b * down;
+      return static_cast<int>(
+          image.pixels.at(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))[1]);
+    };
+    const int contrast = (grey(1, 1) + grey(-1, -1)) - (grey(1, -1) + grey(-1, 1));
+    EXPECT_GT(std::abs(contrast), 80);
+  }
 }
 
 TEST(SimulateWorld, AnotherSeedIsAnotherWorld) {
