@@ -59,7 +59,7 @@ TEST(WriteWorld, EveryFileReadsBackAsWhatWasSimulated) {
   EXPECT_EQ(image.width, 160);
   EXPECT_EQ(image.height, 120);
 
-  for (const std::string& name : {"truth", "truth/on_map", "coarse_small", "coarse_medium", "coarse_large"}) {
+  for (const char* name : {"truth", "truth/on_map", "coarse_small", "coarse_medium", "coarse_large"}) {
     const SparseModel model = read_sparse_model((folder / name).string());
     ASSERT_EQ(model.images.size(), 3u) << name;
     EXPECT_EQ(model.cameras.at(1).params(), world.camera.params()) << name;
