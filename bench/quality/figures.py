@@ -94,7 +94,9 @@ def colorize_row(run):
 def markdown(results):
     """The tables of a whole benchmark, to be read by a person."""
     lines = [
-        f"{results['date']}, {results['machine']}, {results['threads']} thread(s), {results['version']}.\n\n",
+        f"{results['date']}, {results['machine']}, {results['threads']} thread(s), cpplus {results['version']}"
+        + (f", refine {results['refine_options']}" if results["refine_options"] else "")
+        + ".\n\n",
         "Pixels are medians over a scene of the images' mean reprojection shift. Scenes with exact truth: sharp images, "
         "against the poses that fit the map best, on the exact surface. Recorded scenes: "
         f"{results['trials']} trials, each image turned by {results['angle_deg']:g}° and moved by "
