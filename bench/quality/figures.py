@@ -28,7 +28,8 @@ def summarize(before, after, report):
     names = sorted(start.keys() & end.keys())
     accepted = [name for name in names if status.get(name) == "refined"]
     worse = [name for name in accepted if end[name] > start[name] + WORSE_MARGIN_PX]
-    seconds = [image["milliseconds"]["total"] / 1000.0 for image in report["images"] if "total" in image["milliseconds"]]
+    totals = [image["milliseconds"].get("total") for image in report["images"]]
+    seconds = [total / 1000.0 for total in totals if total is not None]
     figures = {
         "num_images": len(names),
         "before_median_px": statistics.median(start[n] for n in names) if names else None,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Quality benchmark: runs every scene of a data folder through `cpplus refine`, `cpplus evaluate` and `cpplus colorize`.
+"""Quality benchmark: runs every scene of a data folder through `cpplus refine`, `evaluate` and `colorize`.
 
 Writes OUT/quality.json and OUT/quality.md; the models, reports and logs of the runs stay in OUT/runs. The exit code is
 1 when a run failed. Needs nothing but Python's standard library."""
@@ -63,8 +63,9 @@ def refine_run(program, kind, scene, start_name, out, images, start, reference, 
     run = {"scene": scene.name, "start": start_name, "kind": kind, "error": "", "figures": None, "peak_mb": None,
            "seconds": None}
     try:
-        run["seconds"], run["peak_mb"] = program.run(out / "refine.log", "refine", "--map", scene / "map.pcd", "--images",
-                                                     images, "--poses", start, "--out", out, *refine_options)
+        run["seconds"], run["peak_mb"] = program.run(out / "refine.log", "refine", "--map", scene / "map.pcd",
+                                                     "--images", images, "--poses", start, "--out", out,
+                                                     *refine_options)
         before = program.evaluate(out / "before.json", start, reference, *measure_options)
         after = program.evaluate(out / "after.json", out / "sparse", reference, *measure_options)
         run["figures"] = figures.summarize(before, after, json.loads((out / "report.json").read_text()))
@@ -156,7 +157,8 @@ def parse_arguments():
     parser.add_argument("--angle-deg", type=float, default=1.0, help="rotation of a disturbance")
     parser.add_argument("--distance-m", type=float, default=0.05, help="translation of a disturbance")
     parser.add_argument("--seed", type=int, default=1, help="seed of the disturbances")
-    parser.add_argument("--refine", default="", metavar="OPTIONS", help="more options for cpplus refine: --refine='--a 1 --b 2'")
+    parser.add_argument("--refine", default="", metavar="OPTIONS",
+                        help="more options for cpplus refine: --refine='--a 1 --b 2'")
     parser.add_argument("--threads", type=int, default=1, help="threads of cpplus; times are meant for one")
     parser.add_argument("--no-colorize", action="store_true", help="leave cpplus colorize out")
     return parser.parse_args()
