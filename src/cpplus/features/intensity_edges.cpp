@@ -1,0 +1,207 @@
+#include "cpplus/features/intensity_edges.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "cpplus/core/parallel.h"
+#include "cpplus/features/grid_2d.h"
+#include "cpplus/features/plane_points.h"
+#include "cpplus/features/segments_2d.h"
+
+namespace cpplus {
+namespace {
+
+constexpr double kThinCell = 0.03;  // metres
+constexpr double kRadius = 0.12;    // metres around a point in which both sides of an edge are compared
+constexpr double kStrip = 0.10;     // metres on each side of an edge
+
+struct Side {
+  double count = 0, sum = 0, squares = 0;
+  void add(double value) {
+    count += 1;
+    sum += value;
+    squares += value * value;
+  }
+  double mean() const { return sum / count; }
+  double deviation_sum() const { return std::max(0.0, squares - sum * sum / count); }
+};
+
+// Change of intensity between the two sides of a line; 0 where it is not clear.
+double contrast_of(const Side& a, const Side& b, const IntensityEdgeOptions& options) {
+  if (a.count < 4 || b.count < 4) return 0.0;
+  const double difference = std::abs(a.mean() - b.mean());
+  const double sigma = std::sqrt((a.deviation_sum() + b.deviation_sum()) / (a.count + b.count));
+  if (difference < options.min_contrast * 0.5 * (a.mean() + b.mean())) return 0.0;
+  if (difference < options.min_contrast_sigmas * sigma) return 0.0;
+  return difference / (sigma + 1e-3 * difference);
+}
+
+struct Candidate {
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  // towards the brighter side
+  double contrast = 0.0;
+};
+
+class IntensityEdgeFinder {
+ public:
+  IntensityEdgeFinder(const PlanePoints& points, const std::vector<float>& values, const IntensityEdgeOptions& options)
+      : points_(points), values_(values), options_(options), grid_(points.positions, 0.5 * kRadius) {}
+
+  std::vector<MapEdge> run() const {
+    const std::vector<uint32_t> thin = thin_points(points_, kThinCell);
+    std::vector<Eigen::Vector2d> positions;
+    std::vector<Candidate> candidates;
+    for (const uint32_t i : thin) {
+      const Candidate candidate = candidate_at(points_.positions[i]);
+      if (candidate.contrast <= 0.0) continue;
+      positions.push_back(points_.positions[i]);
+      candidates.push_back(candidate);
+    }
+    Segment2dOptions segment_options;
+    segment_options.min_length_m = options_.min_length_m;
+    segment_options.tolerance_m = 0.025;
+    std::vector<MapEdge> edges;
+    uint32_t group = 0;
+    for (const Segment2d& segment : find_segments(thin_across(positions, candidates), segment_options)) {
+      append_pieces(segment, group++, &edges);
+    }
+    return edges;
+  }
+
+ private:
+  // Gradient of a plane fitted to the intensities around x, then both halves of the disc compared.
+  Candidate candidate_at(const Eigen::Vector2d& x) const {
+    Eigen::Matrix3d system = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    grid_.for_each_near(x, kRadius, [&](uint32_t i) {
+      const Eigen::Vector2d d = points_.positions[i] - x;
+      if (d.squaredNorm() > kRadius * kRadius) return;
+      const Eigen::Vector3d row(d.x(), d.y(), 1.0);
+      system += row * row.transpose();
+      right += row * static_cast<double>(values_[i]);
+    });
+    if (system(2, 2) < 12) return {};
+    const Eigen::Vector3d fit = system.inverse() * right;
+    const Eigen::Vector2d gradient = fit.head<2>();
+    if (!gradient.allFinite() || gradient.norm() < 1e-9) return {};
+    Candidate candidate;
+    candidate.normal = gradient.normalized();
+    Side dark;
+    Side bright;
+    grid_.for_each_near(x, kRadius, [&](uint32_t i) {
+      const Eigen::Vector2d d = points_.positions[i] - x;
+      if (d.squaredNorm() > kRadius * kRadius) return;
+      (candidate.normal.dot(d) < 0 ? dark : bright).add(values_[i]);
+    });
+    candidate.contrast = contrast_of(dark, bright, options_);
+    return candidate;
+  }
+
+  // Keeps a candidate when none beside it, across the edge, shows more contrast.
+  static std::vector<DirectedPoint2d> thin_across(const std::vector<Eigen::Vector2d>& positions,
+                                                  const std::vector<Candidate>& candidates) {
+    const Grid2d grid(positions, 0.5 * kRadius);
+    std::vector<DirectedPoint2d> kept;
+    for (uint32_t i = 0; i < positions.size(); ++i) {
+      bool best = true;
+      grid.for_each_near(positions[i], 0.5 * kRadius, [&](uint32_t k) {
+        const Eigen::Vector2d d = positions[k] - positions[i];
+        const double across = std::abs(candidates[i].normal.dot(d));
+        if (across > 0.5 * kRadius || d.norm() > 1.5 * across) return;
+        best = best && candidates[k].contrast <= candidates[i].contrast;
+      });
+      if (best) kept.push_back({positions[i], candidates[i].normal});
+    }
+    return kept;
+  }
+
+  void append_pieces(const Segment2d& segment, uint32_t group, std::vector<MapEdge>* edges) const {
+    const int pieces = static_cast<int>(std::ceil((segment.end - segment.start).norm() / options_.max_length_m));
+    for (int k = 0; k < pieces; ++k) {
+      const Eigen::Vector2d step = (segment.end - segment.start) / pieces;
+      const Eigen::Vector2d start = segment.start + k * step;
+      const auto offset = best_offset(start, start + step, segment.normal);
+      if (!offset) continue;
+      MapEdge edge;
+      edge.kind = MapEdgeKind::kIntensity;
+      edge.start = points_.in_map(start + *offset * segment.normal);
+      edge.end = points_.in_map(start + step + *offset * segment.normal);
+      edge.normal_a = points_.normal;
+      edge.inward_a = points_.direction_in_map(segment.normal);
+      edge.covariance = options_.sigma_m * options_.sigma_m * edge.inward_a * edge.inward_a.transpose() +
+                        1.6e-5 * points_.normal * points_.normal.transpose();
+      edge.group = group;
+      edges->push_back(edge);
+    }
+  }
+
+  // The step that explains the raw intensities best: least squares of two levels over all positions of the step.
+  std::optional<double> best_offset(const Eigen::Vector2d& start, const Eigen::Vector2d& end,
+                                    const Eigen::Vector2d& normal) const {
+    const Eigen::Vector2d middle = 0.5 * (start + end);
+    const Eigen::Vector2d direction = (end - start).normalized();
+    const double half = 0.5 * (end - start).norm();
+    std::vector<std::pair<double, double>> samples;  // (distance, intensity)
+    Side all;
+    grid_.for_each_near(middle, half + kStrip, [&](uint32_t i) {
+      const Eigen::Vector2d d = points_.positions[i] - middle;
+      const double w = normal.dot(d);
+      if (std::abs(direction.dot(d)) > half || std::abs(w) > kStrip) return;
+      samples.emplace_back(w, values_[i]);
+      all.add(values_[i]);
+    });
+    if (samples.size() < 20) return std::nullopt;
+    std::sort(samples.begin(), samples.end());
+    Side dark;
+    double best_cost = all.deviation_sum();
+    std::optional<double> best;
+    Side best_dark;
+    for (size_t k = 0; k + 1 < samples.size(); ++k) {
+      dark.add(samples[k].second);
+      if (std::abs(samples[k].first) > 0.6 * kStrip) continue;
+      const Side bright{all.count - dark.count, all.sum - dark.sum, all.squares - dark.squares};
+      const double cost = dark.deviation_sum() + bright.deviation_sum();
+      if (cost >= best_cost) continue;
+      best_cost = cost;
+      best = 0.5 * (samples[k].first + samples[k + 1].first);
+      best_dark = dark;
+    }
+    if (!best) return std::nullopt;
+    const Side bright{all.count - best_dark.count, all.sum - best_dark.sum, all.squares - best_dark.squares};
+    if (contrast_of(best_dark, bright, options_) <= 0.0) return std::nullopt;
+    return best;
+  }
+
+  const PlanePoints& points_;
+  const std::vector<float>& values_;
+  const IntensityEdgeOptions& options_;
+  Grid2d grid_;
+};
+
+}  // namespace
+
+void IntensityEdgeOptions::validate() const {
+  check_option(min_length_m > 0, "min_length_m", "(0, inf)", min_length_m);
+  check_option(max_length_m > 0, "max_length_m", "(0, inf)", max_length_m);
+  check_option(min_contrast > 0 && min_contrast < 2, "min_contrast", "(0, 2)", min_contrast);
+  check_option(min_contrast_sigmas > 0, "min_contrast_sigmas", "(0, inf)", min_contrast_sigmas);
+  check_option(sigma_m > 0, "sigma_m", "(0, inf)", sigma_m);
+}
+
+std::vector<MapEdge> find_intensity_edges(const VoxelMap& map, const std::vector<float>& intensities,
+                                          const PlaneSegmentation& planes, const IntensityEdgeOptions& options) {
+  options.validate();
+  if (!options.enabled || intensities.empty()) return {};
+  std::vector<std::vector<MapEdge>> edges_of(planes.planes.size());
+  parallel_for_each(planes.planes.size(), [&](size_t i) {
+    const PlanePoints points = plane_points(map, planes, i);
+    std::vector<float> values;
+    values.reserve(points.indices.size());
+    for (const uint32_t index : points.indices) values.push_back(intensities[map.input_index(index)]);
+    edges_of[i] = IntensityEdgeFinder(points, values, options).run();
+  });
+  return concatenate_groups(edges_of);
+}
+
+}  // namespace cpplus
