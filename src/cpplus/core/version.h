@@ -1,0 +1,8 @@
+#pragma once
+
+namespace cpplus {
+
+/// The version of the project, as in CMakeLists.txt.
+const char* version();
+
+}  // namespace cpplus

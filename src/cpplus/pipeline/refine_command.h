@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+
+#include "cpplus/pipeline/refine_images.h"
+
+namespace cpplus {
+
+struct RefineCommandOptions {
+  /// Point cloud of the map (.pcd, .ply, .las).
+  std::string map;
+  /// Folder of the images.
+  std::string images;
+  /// COLMAP model folder with cameras and coarse poses in the map.
+  std::string poses;
+  /// Folder for sparse/ and report.json.
+  std::string out;
+  /// Folder for overlays of the map's edges before and after, one an image; "" = none.
+  std::string debug_images;
+  /// Leaves images that were not refined out of the output model.
+  bool only_refined = false;
+  RefineImagesOptions stages;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("map", map, "Point cloud of the map (.pcd, .ply, .las).");
+    visitor("images", images, "Folder of the images.");
+    visitor("poses", poses, "COLMAP model folder with cameras and coarse poses in the map.");
+    visitor("out", out, "Folder for the refined model (sparse/) and report.json.");
+    visitor("debug_images", debug_images, "Folder for overlays of the map's edges before and after; empty = none.");
+    visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
+    stages.visit(visitor);
+  }
+};
+
+struct RefineSummary {
+  size_t num_images = 0;
+  size_t num_refined = 0;
+  size_t num_kept_coarse = 0;
+  size_t num_blurred = 0;
+  size_t num_outside_map = 0;
+  size_t num_unreadable = 0;
+};
+
+/// Reads the map and the coarse poses, refines each image and writes OUT/sparse (COLMAP text, every input image unless
+/// only_refined) and OUT/report.json. One bad image does not stop the others. Throws Error naming the file for
+/// unreadable input, and when no image could be read at all.
+RefineSummary refine_command(const RefineCommandOptions& options);
+
+}  // namespace cpplus

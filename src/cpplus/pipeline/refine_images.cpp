@@ -1,0 +1,104 @@
+#include "cpplus/pipeline/refine_images.h"
+
+#include <set>
+
+#include "cpplus/core/error.h"
+#include "cpplus/core/stopwatch.h"
+
+namespace cpplus {
+namespace {
+
+size_t count_edges(const std::vector<EdgeSample>& samples) {
+  std::set<uint32_t> edges;
+  for (const EdgeSample& sample : samples) edges.insert(sample.edge);
+  return edges.size();
+}
+
+bool sees_map(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
+  const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  return !features.map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), max_distance_m)
+              .empty();
+}
+
+// An empty buffer hides nothing.
+PlaneBuffer nothing_hidden(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map) {
+  PlaneBuffer buffer;
+  buffer.camera = camera;
+  buffer.camera_from_map = camera_from_map;
+  buffer.planes = &features.planes.planes;
+  return buffer;
+}
+
+}  // namespace
+
+void RefineImagesOptions::validate() const {
+  voxel_map.validate();
+  planes.validate();
+  map_edges.validate();
+  visibility.validate();
+  samples.validate();
+  blur.validate();
+  image_edges.validate();
+  refine.validate();
+}
+
+MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options) {
+  MapFeatures features;
+  features.map = VoxelMap(cloud, options.voxel_map);
+  features.planes = segment_planes(features.map, options.planes);
+  features.surface = collect_plane_surface(features.map, features.planes, options.visibility);
+  features.edges = find_map_edges(features.map, cloud.intensities, features.planes, options.map_edges);
+  return features;
+}
+
+RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
+                          const Rigid3& coarse_camera_from_map, const std::function<GrayImage()>& decode,
+                          const RefineImagesOptions& options) {
+  RefinedImage result;
+  ImageReport& report = result.report;
+  report.name = name;
+  report.camera_from_map = coarse_camera_from_map;
+  report.refine.camera_from_map = coarse_camera_from_map;
+  const auto finish = [&](ImageStatus status, const std::string& reason) {
+    report.status = status;
+    report.reason = reason;
+    return result;
+  };
+
+  Stopwatch watch;
+  const auto lap = [&](const char* stage) { report.milliseconds.emplace_back(stage, watch.lap()); };
+  GrayImage image;
+  try {
+    image = decode();
+  } catch (const Error& error) {
+    return finish(ImageStatus::kUnreadable, error.what());
+  }
+  lap("decode");
+
+  const BlurResult blur = measure_blur(image, options.blur);
+  report.sharpness = blur.sharpness;
+  lap("blur");
+  if (blur.blurred) return finish(ImageStatus::kBlurred, "the image is blurred");
+
+  if (!sees_map(features, camera, coarse_camera_from_map, options.samples.max_distance_m)) {
+    return finish(ImageStatus::kOutsideMap, "no part of the map is in view");
+  }
+  const PlaneBuffer planes = options.local ? nothing_hidden(features, camera, coarse_camera_from_map)
+                                           : render_plane_buffer(features.map, features.planes, features.surface,
+                                                                 camera, coarse_camera_from_map, options.visibility);
+  lap("visibility");
+  result.samples = sample_visible_edges(features.edges, camera, coarse_camera_from_map, planes, options.samples);
+  report.num_map_edges = static_cast<int>(count_edges(result.samples));
+  lap("samples");
+
+  const ImageEdges image_edges = detect_image_edges(image, options.image_edges);
+  lap("image_edges");
+  report.refine =
+      refine_pose(camera, coarse_camera_from_map, features.edges, result.samples, image_edges, options.refine);
+  report.camera_from_map = report.refine.camera_from_map;
+  lap("refine");
+  const bool refined = report.refine.status == RefineStatus::kRefined;
+  return finish(refined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse, report.refine.reason);
+}
+
+}  // namespace cpplus

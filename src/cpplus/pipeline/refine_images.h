@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cpplus/cloud/point_cloud.h"
+#include "cpplus/features/blur.h"
+#include "cpplus/features/image_edges.h"
+#include "cpplus/features/map_edges.h"
+#include "cpplus/features/plane_segmentation.h"
+#include "cpplus/refine/refine_pose.h"
+#include "cpplus/report/refine_report.h"
+#include "cpplus/visibility/plane_buffer_renderer.h"
+
+namespace cpplus {
+
+/// Options of every stage from a map and an image to a refined pose.
+struct RefineImagesOptions {
+  /// The map is one room that is seen whole: no test of what hides what (Cui & Schwertfeger 2022, end of section III).
+  bool local = false;
+  VoxelMapOptions voxel_map;
+  PlaneSegmentationOptions planes;
+  MapEdgeOptions map_edges;
+  PlaneBufferOptions visibility;
+  EdgeSampleOptions samples;
+  BlurOptions blur;
+  ImageEdgeOptions image_edges;
+  RefinePoseOptions refine;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("local", local, "The map is one room that is seen whole: skip the test of what hides what.");
+    visitor.group("voxel_map", voxel_map);
+    visitor.group("planes", planes);
+    visitor.group("map_edges", map_edges);
+    visitor.group("visibility", visibility);
+    visitor.group("samples", samples);
+    visitor.group("blur", blur);
+    visitor.group("image_edges", image_edges);
+    visitor.group("refine", refine);
+  }
+};
+
+/// What refinement needs of a map, computed once.
+struct MapFeatures {
+  VoxelMap map;
+  PlaneSegmentation planes;
+  PlaneSurface surface;
+  std::vector<MapEdge> edges;
+};
+
+MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options);
+
+/// Everything known of one image after refinement.
+struct RefinedImage {
+  ImageReport report;
+  std::vector<EdgeSample> samples;  // map edges that it should see from its coarse pose
+};
+
+/// One image against the map. `decode` yields the grey image or throws Error, which becomes the status `unreadable`.
+RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
+                          const Rigid3& coarse_camera_from_map, const std::function<GrayImage()>& decode,
+                          const RefineImagesOptions& options);
+
+}  // namespace cpplus

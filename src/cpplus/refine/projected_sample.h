@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/rigid3.h"
+#include "cpplus/refine/edge_samples.h"
+
+namespace cpplus {
+
+struct ProjectedSample {
+  Eigen::Vector2d pixel;
+  Eigen::Vector2d normal;                       // unit, across the projected edge
+  Eigen::Matrix<double, 2, 6> d_pixel_d_delta;  // perturbation as in geometry/rigid3.h
+  Eigen::Matrix<double, 2, 3> d_pixel_d_point;  // per metre, map frame
+};
+
+/// Projects an edge sample (Eq. 3 of Cui & Schwertfeger 2022) with its derivatives. Nothing where the camera model does
+/// not hold or the edge is seen end-on.
+std::optional<ProjectedSample> project_sample(const Camera& camera, const Rigid3& camera_from_map,
+                                              const EdgeSample& sample);
+
+}  // namespace cpplus

@@ -1,0 +1,257 @@
+#include "cpplus/refine/refine_pose.h"
+
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cpplus/core/stopwatch.h"
+#include "cpplus/refine/degeneracy.h"
+#include "cpplus/refine/edge_cost.h"
+#include "cpplus/refine/edgel_index.h"
+#include "cpplus/refine/projected_sample.h"
+
+namespace cpplus {
+namespace {
+
+constexpr int kFieldCellPx = 4;
+
+struct Match {
+  const EdgeSample* sample;
+  Eigen::Vector2d pixel;
+  Eigen::Vector2d normal;
+  double sigma_px;  // of this residual alone
+  double weight;    // < 1: its share of what its edge can know
+  ProjectedSample projected;
+};
+
+class PoseRefiner {
+ public:
+  PoseRefiner(const Camera& camera, const Rigid3& coarse, const std::vector<MapEdge>& edges,
+              const std::vector<EdgeSample>& samples, const ImageEdges& image_edges, const RefinePoseOptions& options)
+      : camera_(camera),
+        coarse_(coarse),
+        edges_(edges),
+        image_edges_(image_edges),
+        index_(image_edges),
+        options_(options),
+        min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
+    for (const EdgeSample& sample : samples) (is_held_out(sample) ? held_out_ : fitted_).push_back(sample);
+  }
+
+  RefinePoseResult run() {
+    RefinePoseResult result;
+    result.camera_from_map = coarse_;
+    result.candidate_camera_from_map = coarse_;
+    result.num_samples = static_cast<int>(fitted_.size() + held_out_.size());
+    result.before = residual_of(fitted_, coarse_);
+    result.held_out_before = residual_of(held_out_, coarse_);
+    if (static_cast<int>(fitted_.size()) < options_.min_samples) {
+      return keep(std::move(result), "too few map edges in view");
+    }
+
+    Rigid3 pose = coarse_;
+    if (options_.search.enabled) {
+      const Stopwatch watch;
+      const DirectionalDistanceField field(image_edges_, kFieldCellPx, 3.0 * options_.search.first_kernel_px);
+      pose = search_pose(camera_, coarse_, edges_, fitted_, field, options_.prior, options_.search).camera_from_map;
+      result.search_milliseconds = watch.milliseconds();
+    }
+    const Stopwatch watch;
+    std::vector<Match> matches;
+    for (int round = 0; round < options_.max_iterations; ++round) {
+      matches = match(pose, radius_of(round));
+      if (static_cast<int>(matches.size()) < options_.min_samples) break;
+      pose = minimise(pose, matches, &result.iterations);
+    }
+    matches = match(pose, options_.last_radius_px);
+    result.num_matches = static_cast<int>(matches.size());
+    result.num_edges = count_edges(matches);
+    result.after = residual_of(fitted_, pose);
+    result.held_out_after = residual_of(held_out_, pose);
+    result.solve_milliseconds = watch.milliseconds();
+    result.candidate_camera_from_map = pose;
+    judge(pose, matches, &result);
+    return result;
+  }
+
+ private:
+  // Whole edges, and all pieces of an edge, are held out together: samples of one edge fit together.
+  bool is_held_out(const EdgeSample& sample) const {
+    if (options_.held_out_share <= 0) return false;
+    const uint64_t hash = (static_cast<uint64_t>(edges_[sample.edge].group) + 1) * 0x9E3779B97F4A7C15ull;
+    return static_cast<double>(hash >> 40) * 0x1.0p-24 < options_.held_out_share;
+  }
+
+  double radius_of(int round) const {
+    if (options_.max_iterations == 1) return options_.last_radius_px;
+    const double progress = static_cast<double>(round) / (options_.max_iterations - 1);
+    return options_.first_radius_px * std::pow(options_.last_radius_px / options_.first_radius_px, progress);
+  }
+
+  std::vector<Match> match(const Rigid3& pose, double radius_px) const {
+    std::vector<Match> matches;
+    for (const EdgeSample& sample : fitted_) {
+      const auto projected = project_sample(camera_, pose, sample);
+      if (!projected) continue;
+      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, radius_px, min_cos_);
+      if (!edgel) continue;
+      Match m{&sample,   index_.edgel(*edgel).pixel.cast<double>(), index_.edgel(*edgel).normal.cast<double>(), 0, 0,
+              *projected};
+      weigh(&m);
+      matches.push_back(m);
+    }
+    return matches;
+  }
+
+  // Noise models of the LiDAR (through the edge's covariance) and of the camera (Yuan et al. 2021, section IV). What
+  // the samples of an edge have in common does not average out over them: with m samples of variance s^2 and a common
+  // variance c^2, all together know the edge to s^2/m + c^2, which a variance of s^2 + m c^2 a sample reproduces.
+  void weigh(Match* m) const {
+    const Eigen::RowVector3d d_residual_d_point = m->normal.transpose() * m->projected.d_pixel_d_point;
+    const double map_variance =
+        (d_residual_d_point * edges_[m->sample->edge].covariance * d_residual_d_point.transpose()).value();
+    const double own = options_.image_sigma_px * options_.image_sigma_px;
+    const double common = map_variance + options_.edge_sigma_px * options_.edge_sigma_px;
+    m->sigma_px = std::sqrt(own + common);
+    m->weight = (own + common) / (own + m->sample->edge_samples * common);
+  }
+
+  Rigid3 minimise(const Rigid3& pose, const std::vector<Match>& matches, int* iterations) const {
+    ceres::Problem::Options ownership;
+    ownership.loss_function_ownership = ceres::TAKE_OWNERSHIP;
+    ceres::Problem problem(ownership);
+    Vector6d delta = Vector6d::Zero();
+    problem.AddParameterBlock(delta.data(), 6);
+    for (const Match& m : matches) {
+      auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(options_.loss_scale), m.weight, ceres::TAKE_OWNERSHIP);
+      problem.AddResidualBlock(make_edge_cost(camera_, pose, m.sample->x_in_map, m.pixel, m.normal, m.sigma_px), loss,
+                               delta.data());
+    }
+    problem.AddResidualBlock(make_prior_cost(camera_difference(pose, coarse_), options_.prior.sigmas()), nullptr,
+                             delta.data());
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_QR;
+    solver.max_num_iterations = 15;
+    solver.logging_type = ceres::SILENT;
+    solver.num_threads = 1;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    *iterations += static_cast<int>(summary.iterations.size());
+    return summary.IsSolutionUsable() ? perturb_camera(pose, delta) : pose;
+  }
+
+  EdgeResidual residual_of(const std::vector<EdgeSample>& samples, const Rigid3& pose) const {
+    EdgeResidual residual;
+    std::vector<double> distances;
+    for (const EdgeSample& sample : samples) {
+      const auto projected = project_sample(camera_, pose, sample);
+      if (!projected) continue;
+      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, options_.first_radius_px, min_cos_);
+      residual.num_matches += edgel.has_value();
+      distances.push_back(edgel ? std::abs(index_.edgel(*edgel).normal.cast<double>().dot(
+                                      index_.edgel(*edgel).pixel.cast<double>() - projected->pixel))
+                                : options_.first_radius_px);
+    }
+    residual.num_samples = static_cast<int>(distances.size());
+    if (distances.empty()) return residual;
+    double squares = 0.0;
+    int inliers = 0;
+    for (const double distance : distances) {
+      squares += distance * distance;
+      inliers += distance < options_.last_radius_px;
+    }
+    residual.rms_px = std::sqrt(squares / static_cast<double>(distances.size()));
+    residual.inlier_share = static_cast<double>(inliers) / static_cast<double>(distances.size());
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    residual.median_px = *middle;
+    return residual;
+  }
+
+  static int count_edges(const std::vector<Match>& matches) {
+    int count = 0;
+    for (size_t i = 0; i < matches.size(); ++i) {
+      count += i == 0 || matches[i].sample->edge != matches[i - 1].sample->edge;
+    }
+    return count;
+  }
+
+  Matrix6d information_of(const std::vector<Match>& matches) const {
+    Matrix6d information = Matrix6d::Zero();
+    for (const Match& m : matches) {
+      const double residual = m.normal.dot(m.projected.pixel - m.pixel) / m.sigma_px;
+      // Weight that the robust loss leaves to a residual of this size.
+      const double robust = 1.0 / (1.0 + residual * residual / (options_.loss_scale * options_.loss_scale));
+      const Eigen::Matrix<double, 1, 6> jacobian = m.normal.transpose() * m.projected.d_pixel_d_delta / m.sigma_px;
+      information += robust * m.weight * jacobian.transpose() * jacobian;
+    }
+    return information;
+  }
+
+  void judge(const Rigid3& pose, const std::vector<Match>& matches, RefinePoseResult* result) const {
+    const Degeneracy degeneracy = analyse_information(information_of(matches), options_.prior.sigmas());
+    result->covariance = degeneracy.covariance;
+    result->information_eigenvalues = degeneracy.eigenvalues;
+    result->weak_directions = degeneracy.weak_directions;
+    const EdgeResidual& held_out = held_out_.empty() ? result->after : result->held_out_after;
+    const EdgeResidual& held_out_before = held_out_.empty() ? result->before : result->held_out_before;
+    if (result->num_matches < options_.min_samples || result->num_edges < options_.min_edges) {
+      result->reason = "too few matched edges";
+    } else if (degeneracy.weak_directions.size() >= 4) {
+      result->reason = "the matched edges determine too few directions";
+    } else if (held_out.inlier_share < options_.min_inlier_share) {
+      result->reason = "held-out edges do not lie on image edges";
+    } else if (held_out.rms_px >= held_out_before.rms_px) {
+      result->reason = "held-out edges do not fit better than before";
+    }
+    if (!result->reason.empty()) return;
+    result->status = RefineStatus::kRefined;
+    result->camera_from_map = pose;
+  }
+
+  static RefinePoseResult keep(RefinePoseResult result, const char* reason) {
+    result.reason = reason;
+    return result;
+  }
+
+  const Camera& camera_;
+  const Rigid3 coarse_;
+  const std::vector<MapEdge>& edges_;
+  const ImageEdges& image_edges_;
+  const EdgelIndex index_;
+  const RefinePoseOptions& options_;
+  double min_cos_;
+  std::vector<EdgeSample> fitted_;
+  std::vector<EdgeSample> held_out_;
+};
+
+}  // namespace
+
+void RefinePoseOptions::validate() const {
+  prior.validate();
+  search.validate();
+  check_option(max_iterations >= 1, "max_iterations", "[1, inf)", max_iterations);
+  check_option(first_radius_px > 0, "first_radius_px", "(0, inf)", first_radius_px);
+  check_option(last_radius_px > 0, "last_radius_px", "(0, inf)", last_radius_px);
+  check_option(max_angle_deg > 0 && max_angle_deg < 90, "max_angle_deg", "(0, 90)", max_angle_deg);
+  check_option(image_sigma_px > 0, "image_sigma_px", "(0, inf)", image_sigma_px);
+  check_option(edge_sigma_px >= 0, "edge_sigma_px", "[0, inf)", edge_sigma_px);
+  check_option(loss_scale > 0, "loss_scale", "(0, inf)", loss_scale);
+  check_option(held_out_share >= 0 && held_out_share < 1, "held_out_share", "[0, 1)", held_out_share);
+  check_option(min_edges >= 1, "min_edges", "[1, inf)", min_edges);
+  check_option(min_samples >= 1, "min_samples", "[1, inf)", min_samples);
+  check_option(min_inlier_share >= 0 && min_inlier_share <= 1, "min_inlier_share", "[0, 1]", min_inlier_share);
+}
+
+RefinePoseResult refine_pose(const Camera& camera, const Rigid3& coarse_camera_from_map,
+                             const std::vector<MapEdge>& edges, const std::vector<EdgeSample>& samples,
+                             const ImageEdges& image_edges, const RefinePoseOptions& options) {
+  return PoseRefiner(camera, coarse_camera_from_map, edges, samples, image_edges, options).run();
+}
+
+}  // namespace cpplus

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cpplus/cloud/map_edge.h"
+#include "cpplus/core/options.h"
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/image_edge.h"
+#include "cpplus/geometry/rigid3.h"
+#include "cpplus/refine/edge_samples.h"
+#include "cpplus/refine/pose_search.h"
+
+namespace cpplus {
+
+struct RefinePoseOptions {
+  PosePrior prior;
+  PoseSearchOptions search;
+  /// Rounds of matching and minimising. [1, inf)
+  int max_iterations = 3;
+  /// Samples look for an image edge this far in the first and in the last round, pixels. (0, inf)
+  double first_radius_px = 8.0;
+  double last_radius_px = 3.0;
+  /// Largest angle between a projected map edge and the image edge it matches, degrees. (0, 90)
+  double max_angle_deg = 15.0;
+  /// Standard deviation of an image edge's position, one sample, pixels. (0, inf)
+  double image_sigma_px = 0.5;
+  /// What all samples of an edge have in common (shading, rounded corners), pixels. [0, inf)
+  double edge_sigma_px = 0.6;
+  /// Scale of the Cauchy loss in standard deviations. (0, inf)
+  double loss_scale = 1.5;
+  /// Share of the edges that only judge the result. [0, 1)
+  double held_out_share = 0.2;
+  /// Fewest matched edges and samples for a result. [1, inf)
+  int min_edges = 5;
+  int min_samples = 30;
+  /// Smallest share of held-out samples within last_radius_px of an image edge. [0, 1]
+  double min_inlier_share = 0.35;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor.group("prior", prior);
+    visitor.group("search", search);
+    visitor("max_iterations", max_iterations, "Rounds of matching and minimising.");
+    visitor("first_radius_px", first_radius_px, "Samples look for an image edge this far in the first round, pixels.");
+    visitor("last_radius_px", last_radius_px, "The same in the last round, pixels.");
+    visitor("max_angle_deg", max_angle_deg, "Largest angle between a map edge and the image edge it matches, degrees.");
+    visitor("image_sigma_px", image_sigma_px, "Standard deviation of an image edge's position, pixels.");
+    visitor("edge_sigma_px", edge_sigma_px, "What all samples of an edge have in common, pixels.");
+    visitor("loss_scale", loss_scale, "Scale of the Cauchy loss in standard deviations.");
+    visitor("held_out_share", held_out_share, "Share of the edges that only judge the result.");
+    visitor("min_edges", min_edges, "Fewest matched edges for a result.");
+    visitor("min_samples", min_samples, "Fewest matched samples for a result.");
+    visitor("min_inlier_share", min_inlier_share, "Smallest share of held-out samples near an image edge.");
+  }
+};
+
+/// How well edge samples lie on image edges; distances are truncated at the first search radius.
+struct EdgeResidual {
+  int num_samples = 0;
+  int num_matches = 0;  // samples with an image edge within the first search radius
+  double median_px = 0.0;
+  double rms_px = 0.0;
+  double inlier_share = 0.0;  // of all samples: within the last search radius
+};
+
+enum class RefineStatus { kRefined, kKeptCoarse };
+
+struct RefinePoseResult {
+  RefineStatus status = RefineStatus::kKeptCoarse;
+  std::string reason;                            // why the coarse pose was kept; empty when refined
+  Rigid3 camera_from_map;                        // refined, or the coarse one unchanged
+  Rigid3 candidate_camera_from_map;              // the best pose found, accepted or not
+  EdgeResidual before, after;                    // samples that were fitted
+  EdgeResidual held_out_before, held_out_after;  // samples that were not
+  int num_edges = 0;                             // with at least one match
+  int num_samples = 0;
+  int num_matches = 0;
+  int iterations = 0;  // of the minimiser, all rounds
+  double search_milliseconds = 0.0;
+  double solve_milliseconds = 0.0;
+  /// Of the perturbation in geometry/rigid3.h: rad, rad, rad, m, m, m.
+  Matrix6d covariance = Matrix6d::Zero();
+  /// Eigenvalues, ascending, of the data's information in units of the prior's (sigma_prior^2 * information): below 1
+  /// the prior knows a direction better than the edges.
+  Vector6d information_eigenvalues = Vector6d::Zero();
+  std::vector<std::string> weak_directions;
+};
+
+/// Aligns one image with the map's edges: minimises, along the image edges' normals, the distance between projected
+/// edge samples and the image edges they match (Eq. 4-5 of Cui & Schwertfeger 2022) with the coarse pose as a prior, so
+/// that directions without evidence stay where they were. The result counts only if edges that were held out fit better
+/// too.
+RefinePoseResult refine_pose(const Camera& camera, const Rigid3& coarse_camera_from_map,
+                             const std::vector<MapEdge>& edges, const std::vector<EdgeSample>& samples,
+                             const ImageEdges& image_edges, const RefinePoseOptions& options);
+
+}  // namespace cpplus

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cpplus/core/option_list.h"
+#include "cpplus/refine/refine_pose.h"
+
+namespace cpplus {
+
+enum class ImageStatus { kRefined, kKeptCoarse, kBlurred, kOutsideMap, kUnreadable };
+
+/// "refined", "kept_coarse", "blurred", "outside_map", "unreadable".
+std::string status_name(ImageStatus status);
+
+struct ImageReport {
+  std::string name;
+  ImageStatus status = ImageStatus::kKeptCoarse;
+  std::string reason;  // why it was not refined, one sentence; empty when refined
+  Rigid3 camera_from_map;
+  int num_map_edges = 0;    // that should be seen
+  RefinePoseResult refine;  // figures; defaults where it was not reached
+  double sharpness = 0.0;
+  std::vector<std::pair<std::string, double>> milliseconds;  // a stage each, in order
+};
+
+struct MapReport {
+  std::string path;
+  size_t num_points = 0;
+  size_t num_dropped_points = 0;  // NaN or infinite
+  size_t num_planes = 0;
+  size_t num_edges = 0;
+  double noise_m = 0.0;
+};
+
+/// report.json. Numbers that do not exist are null.
+std::string refine_report_json(const MapReport& map, const std::vector<ImageReport>& images,
+                               const std::vector<OptionField>& options);
+
+}  // namespace cpplus

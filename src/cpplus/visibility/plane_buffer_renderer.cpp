@@ -1,0 +1,142 @@
+#include "cpplus/visibility/plane_buffer_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace cpplus {
+namespace {
+
+// The patch of a leaf reaches a little beyond it, so that neighbouring patches of sparse surfaces close.
+constexpr double kPatchRadiusLeaves = 0.7;
+constexpr double kMaxPatchRadiusPx = 64.0;
+
+std::pair<uint32_t, uint32_t> leaves_of_root(const VoxelMap& map, uint32_t root) {
+  uint32_t begin = root;
+  uint32_t end = root + 1;
+  for (int layer = 0; layer < map.leaf_layer(); ++layer) {
+    begin = map.children_begin(layer, begin);
+    end = map.children_begin(layer, end);
+  }
+  return {begin, end};
+}
+
+}  // namespace
+
+void PlaneBufferOptions::validate() const {
+  check_option(cell_px >= 1, "cell_px", "[1, inf)", cell_px);
+  check_option(max_distance_m > 0, "max_distance_m", "(0, inf)", max_distance_m);
+  check_option(min_plane_points >= 0, "min_plane_points", "[0, inf)", min_plane_points);
+}
+
+PlaneSurface collect_plane_surface(const VoxelMap& map, const PlaneSegmentation& planes,
+                                   const PlaneBufferOptions& options) {
+  PlaneSurface surface;
+  std::vector<std::pair<int32_t, Eigen::Vector4d>> sums;  // plane, (sum, count), of one leaf
+  for (uint32_t leaf = 0; map.num_points() > 0 && leaf < map.num_nodes(map.leaf_layer()); ++leaf) {
+    sums.clear();
+    for (uint32_t i = map.points_begin(map.leaf_layer(), leaf); i < map.points_end(map.leaf_layer(), leaf); ++i) {
+      const int32_t id = planes.plane_of_point[i];
+      if (id < 0 ||
+          planes.planes[static_cast<size_t>(id)].num_points < static_cast<uint32_t>(options.min_plane_points)) {
+        continue;
+      }
+      auto it = std::find_if(sums.begin(), sums.end(), [&](const auto& s) { return s.first == id; });
+      if (it == sums.end()) it = sums.insert(sums.end(), {id, Eigen::Vector4d::Zero()});
+      it->second += map.positions()[i].cast<double>().homogeneous();
+    }
+    for (const auto& [id, sum] : sums) {
+      surface.leaves.push_back(leaf);
+      surface.plane_of.push_back(id);
+      surface.centers.push_back((sum.head<3>() / sum.w()).cast<float>());
+    }
+  }
+  return surface;
+}
+
+namespace {
+
+// Draws patches into the cells, the nearest plane of each cell winning.
+class Canvas {
+ public:
+  Canvas(const Camera& camera, double cell_px)
+      : cell_px_(cell_px),
+        width_(static_cast<int>(std::ceil(camera.width() / cell_px))),
+        height_(static_cast<int>(std::ceil(camera.height() / cell_px))),
+        plane_(width_, height_, PlaneBuffer::kNone),
+        nearest_(width_, height_, std::numeric_limits<float>::max()) {}
+
+  // The cell of the patch's centre at its range; those that lie within the patch around it at its rim's range, so that
+  // a patch drawn over the neighbours of its own plane never wins over the patch that belongs there.
+  void draw(const Eigen::Vector2d& pixel, double radius_px, float range, float rim_range, int32_t plane) {
+    const Eigen::Vector2d cell = (pixel.array() + 0.5) / cell_px_;
+    const double radius = radius_px / cell_px_;
+    const int cx = static_cast<int>(std::floor(cell.x()));
+    const int cy = static_cast<int>(std::floor(cell.y()));
+    const int x0 = std::max(0, std::min(cx, static_cast<int>(std::floor(cell.x() - radius + 0.5))));
+    const int x1 = std::min(width_ - 1, std::max(cx, static_cast<int>(std::floor(cell.x() + radius - 0.5))));
+    const int y0 = std::max(0, std::min(cy, static_cast<int>(std::floor(cell.y() - radius + 0.5))));
+    const int y1 = std::min(height_ - 1, std::max(cy, static_cast<int>(std::floor(cell.y() + radius - 0.5))));
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1; ++x) {
+        const float depth = x == cx && y == cy ? range : rim_range;
+        if (depth >= nearest_.at(x, y)) continue;
+        nearest_.at(x, y) = depth;
+        plane_.at(x, y) = plane;
+      }
+    }
+  }
+
+  Image<int32_t> take_planes() { return std::move(plane_); }
+
+ private:
+  double cell_px_;
+  int width_;
+  int height_;
+  Image<int32_t> plane_;
+  RangeImage nearest_;
+};
+
+}  // namespace
+
+PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& planes, const PlaneSurface& surface,
+                                const Camera& camera, const Rigid3& camera_from_map,
+                                const PlaneBufferOptions& options) {
+  Canvas canvas(camera, options.cell_px);
+  const double radius_m = kPatchRadiusLeaves * map.options().leaf_size_m;
+  const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
+  const Eigen::Vector3d offset = rotation * map.origin() + camera_from_map.translation;
+  const auto draw_patch = [&](size_t k) {
+    const Eigen::Vector3d x = rotation * surface.centers[k].cast<double>() + offset;
+    const double range = x.norm();
+    if (range > options.max_distance_m || range < 1e-3) return;
+    const auto pixel = camera.project(x);
+    if (!pixel) return;
+    const double radius_px = std::min(radius_m / range * camera.pixels_per_radian(), kMaxPatchRadiusPx);
+    if (!camera.in_image(*pixel, -radius_px)) return;
+    const MapPlane& plane = planes.planes[static_cast<size_t>(surface.plane_of[k])];
+    const double cosine = plane.normal.dot(rotation.transpose() * x) / range;
+    const double rim_range = range + radius_m * std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+    canvas.draw(*pixel, radius_px, static_cast<float>(range), static_cast<float>(rim_range), surface.plane_of[k]);
+  };
+
+  const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  for (const uint32_t root :
+       map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), options.max_distance_m)) {
+    const auto [leaf_begin, leaf_end] = leaves_of_root(map, root);
+    const auto first = std::lower_bound(surface.leaves.begin(), surface.leaves.end(), leaf_begin);
+    const auto last = std::lower_bound(first, surface.leaves.end(), leaf_end);
+    for (auto it = first; it != last; ++it) draw_patch(static_cast<size_t>(it - surface.leaves.begin()));
+  }
+
+  PlaneBuffer buffer;
+  buffer.camera = camera;
+  buffer.camera_from_map = camera_from_map;
+  buffer.cell_px = options.cell_px;
+  buffer.plane = canvas.take_planes();
+  buffer.planes = &planes.planes;
+  return buffer;
+}
+
+}  // namespace cpplus
