@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -12,12 +13,9 @@ namespace cpplus {
 namespace {
 
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
-constexpr int kMaxHalfCells = 255;
 constexpr int kBlockCells = 16;
 /// Bodies of up to about a metre count as small whatever the leaves are: surroundings are cubes of three such nodes.
 constexpr double kNodeSizeM = 0.25;
-
-using HalfCells = Image<std::array<uint8_t, 2>>;
 
 /// Cells per radian in x and y, the half extents of a ball's projection over its angular radius, sampled on blocks of
 /// cells: the magnification of a lens varies slowly over the image, but by far too much to be ignored (threefold at
@@ -61,61 +59,101 @@ DepthBuffer empty_buffer(double leaf_size_m, const Camera& camera, const DepthBu
   buffer.margin_cells = buffer.wraps ? 0 : static_cast<int>(std::ceil(options.margin_px / buffer.cell_px));
   const int width = static_cast<int>(std::ceil(camera.width() / buffer.cell_px)) + 2 * buffer.margin_cells;
   const int height = static_cast<int>(std::ceil(camera.height() / buffer.cell_px)) + 2 * buffer.margin_cells;
-  buffer.range = RangeImage(width, height, kNoSurface);
+  buffer.range = RangeImage(width, height, 0.0f);
   return buffer;
 }
 
-/// Nearest range per cell into buffer->range, and the half size of the square that won.
-void draw(const std::vector<ProjectedLeaf>& leaves, float radius_m, DepthBuffer* buffer, HalfCells* half) {
-  const Magnification magnification(*buffer);
-  const int width = buffer->range.width;
-  const int height = buffer->range.height;
-  const int max_half = std::min(kMaxHalfCells, (width - 1) / 2);
+/// The columns [first, last] as one or two spans inside the row, which are cut off at its ends or continue at the other
+/// one where the buffer wraps.
+struct Spans {
+  std::array<std::array<int, 2>, 2> spans;  // first, last
+  int count = 1;
+
+  Spans(int first, int last, const DepthBuffer& buffer) {
+    const int width = buffer.range.width;
+    spans[0] = {std::max(first, 0), std::min(last, width - 1)};
+    if (!buffer.wraps || (first >= 0 && last < width)) return;
+    spans[1] = first < 0 ? std::array<int, 2>{first + width, width - 1} : std::array<int, 2>{0, last - width};
+    count = 2;
+  }
+};
+
+/// The bits of positive floats order as the floats do, and compilers vectorise the minimum and maximum of integers.
+using RangeBits = Image<int32_t>;
+
+/// Half sizes of the square that a leaf at a range covers.
+class SplatSize {
+ public:
+  SplatSize(const DepthBuffer& buffer, float radius_m)
+      : magnification_(buffer), radius_m_(radius_m), max_half_(static_cast<float>((buffer.range.width - 1) / 2)) {}
+
+  Eigen::Vector2i half_cells(const Eigen::Vector2i& cell, float range) const {
+    const Eigen::Vector2f half = magnification_.at(cell) * (radius_m_ / range);
+    return {static_cast<int>(std::min(half.x() + 0.5f, max_half_)),
+            static_cast<int>(std::min(half.y() + 0.5f, max_half_))};
+  }
+
+ private:
+  Magnification magnification_;
+  float radius_m_;
+  float max_half_;
+};
+
+/// Nearest range per cell.
+RangeBits draw(const std::vector<ProjectedLeaf>& leaves, const SplatSize& size, const DepthBuffer& buffer) {
+  const int height = buffer.range.height;
+  RangeBits nearest(buffer.range.width, height, std::bit_cast<int32_t>(kNoSurface));
   for (const ProjectedLeaf& leaf : leaves) {
-    if (!leaf.hides) continue;
-    const Eigen::Vector2i cell = buffer->cell_of(leaf.pixel.cast<double>());
-    if (!buffer->range.contains(cell.x(), cell.y())) continue;
-    const Eigen::Vector2f radius = magnification.at(cell) * (radius_m / leaf.range);
-    const int half_x = static_cast<int>(std::min(radius.x() + 0.5f, static_cast<float>(max_half)));
-    const int half_y = static_cast<int>(std::min(radius.y() + 0.5f, static_cast<float>(max_half)));
-    const int begin_x = buffer->wraps ? cell.x() - half_x : std::max(cell.x() - half_x, 0);
-    const int end_x = buffer->wraps ? cell.x() + half_x : std::min(cell.x() + half_x, width - 1);
-    for (int y = std::max(cell.y() - half_y, 0); y <= std::min(cell.y() + half_y, height - 1); ++y) {
-      for (int x = begin_x; x <= end_x; ++x) {
-        const int column = buffer->column(x);
-        float& range = buffer->range.at(column, y);
-        if (leaf.range >= range) continue;
-        range = leaf.range;
-        half->at(column, y) = {static_cast<uint8_t>(half_x), static_cast<uint8_t>(half_y)};
+    const Eigen::Vector2i cell = buffer.cell_of(leaf.pixel.cast<double>());
+    if (!leaf.hides || !nearest.contains(cell.x(), cell.y())) continue;
+    const Eigen::Vector2i half = size.half_cells(cell, leaf.range);
+    const int32_t bits = std::bit_cast<int32_t>(leaf.range);
+    const Spans columns(cell.x() - half.x(), cell.x() + half.x(), buffer);
+    for (int y = std::max(cell.y() - half.y(), 0); y <= std::min(cell.y() + half.y(), height - 1); ++y) {
+      int32_t* row = &nearest.at(0, y);
+      for (int s = 0; s < columns.count; ++s) {
+        const auto [first, last] = columns.spans[static_cast<size_t>(s)];
+        for (int x = first; x <= last; ++x) row[x] = std::min(row[x], bits);
       }
     }
   }
+  return nearest;
 }
 
-/// The second half of the closing: each cell takes the largest range within the square that had won it, one axis
-/// after the other. kNoSurface becomes 0.
-void erode(const HalfCells& half, DepthBuffer* buffer) {
-  const int width = buffer->range.width;
-  const int height = buffer->range.height;
-  RangeImage along_rows(width, height);
+int32_t maximum(const int32_t* values, int first, int last) {
+  int32_t result = 0;
+  for (int i = first; i <= last; ++i) result = std::max(result, values[i]);
+  return result;
+}
+
+/// The second half of the closing: each cell takes the largest range in a square as large as the one that had won it,
+/// one axis after the other. Where that is no surface at all, 0.
+void erode(const RangeBits& nearest, const SplatSize& size, DepthBuffer* buffer) {
+  const int width = nearest.width;
+  const int height = nearest.height;
+  const int32_t no_surface = std::bit_cast<int32_t>(kNoSurface);
+  const auto half_at = [&](int x, int y) { return size.half_cells({x, y}, std::bit_cast<float>(nearest.at(x, y))); };
+  RangeBits transposed(height, width);
   for (int y = 0; y < height; ++y) {
-    const float* row = &buffer->range.at(0, y);
+    const int32_t* row = &nearest.at(0, y);
     for (int x = 0; x < width; ++x) {
-      const int half_x = half.at(x, y)[0];
-      const int begin = buffer->wraps ? x - half_x : std::max(x - half_x, 0);
-      const int end = buffer->wraps ? x + half_x : std::min(x + half_x, width - 1);
-      float farthest = 0.0f;
-      for (int u = begin; u <= end; ++u) farthest = std::max(farthest, row[buffer->column(u)]);
-      along_rows.at(x, y) = farthest;
+      int32_t farthest = no_surface;
+      if (row[x] != no_surface) {
+        const int half = half_at(x, y).x();
+        const Spans columns(x - half, x + half, *buffer);
+        farthest = maximum(row, columns.spans[0][0], columns.spans[0][1]);
+        if (columns.count == 2) farthest = std::max(farthest, maximum(row, columns.spans[1][0], columns.spans[1][1]));
+      }
+      transposed.at(y, x) = farthest;
     }
   }
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int half_y = half.at(x, y)[1];
-      float farthest = 0.0f;
-      for (int v = std::max(y - half_y, 0); v <= std::min(y + half_y, height - 1); ++v)
-        farthest = std::max(farthest, along_rows.at(x, v));
-      buffer->range.at(x, y) = farthest == kNoSurface ? 0.0f : farthest;
+  for (int x = 0; x < width; ++x) {
+    const int32_t* column = &transposed.at(0, x);
+    for (int y = 0; y < height; ++y) {
+      if (column[y] == no_surface) continue;  // range is 0 already
+      const int half = half_at(x, y).y();
+      const int32_t farthest = maximum(column, std::max(y - half, 0), std::min(y + half, height - 1));
+      if (farthest != no_surface) buffer->range.at(x, y) = std::bit_cast<float>(farthest);
     }
   }
 }
@@ -206,9 +244,8 @@ DepthBuffer render_depth_buffer(const std::vector<ProjectedLeaf>& leaves, double
                                 const DepthBufferOptions& options) {
   options.validate();
   DepthBuffer buffer = empty_buffer(leaf_size_m, camera, options);
-  HalfCells half(buffer.range.width, buffer.range.height, {0, 0});
-  draw(leaves, static_cast<float>(options.splat_radius_leaves * leaf_size_m), &buffer, &half);
-  erode(half, &buffer);
+  const SplatSize size(buffer, static_cast<float>(options.splat_radius_leaves * leaf_size_m));
+  erode(draw(leaves, size, buffer), size, &buffer);
   return buffer;
 }
 

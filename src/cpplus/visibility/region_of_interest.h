@@ -17,7 +17,7 @@ struct VisibilityOptions {
   /// Roots farther than this from the camera are not looked at, metres. (0, inf)
   double max_distance_m = 20.0;
   /// Widening of the field of view beyond each border of the image, for the error of a coarse pose, degrees. [0, 90]
-  double fov_widening_deg = 1.0;
+  double fov_widening_deg = 2.0;
   /// How many times the neighbours (of 26) of the visible leaves are added to them. [0, 8]
   int dilation = 0;
   /// hidden_points: radius of the sphere that the leaf centres are flipped over, in largest distances. [0.5, inf)
