@@ -14,6 +14,8 @@ namespace {
 
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 constexpr int kBlockCells = 16;
+/// How much larger a square may be at the border of an image than at the principal point.
+constexpr double kMaxMagnification = 2.0;
 /// Bodies of up to about a metre count as small whatever the leaves are: surroundings are cubes of three such nodes.
 constexpr double kNodeSizeM = 0.25;
 
@@ -104,9 +106,11 @@ RangeBits draw(const std::vector<ProjectedLeaf>& leaves, const SplatSize& size, 
   const int height = buffer.range.height;
   RangeBits nearest(buffer.range.width, height, std::bit_cast<int32_t>(kNoSurface));
   for (const ProjectedLeaf& leaf : leaves) {
-    const Eigen::Vector2i cell = buffer.cell_of(leaf.pixel.cast<double>());
-    if (!leaf.hides || !nearest.contains(cell.x(), cell.y())) continue;
-    const Eigen::Vector2i half = size.half_cells(cell, leaf.range);
+    if (!leaf.hides) continue;
+    const Eigen::Array2d place = (leaf.pixel.cast<double>().array() + 0.5) / buffer.cell_px + buffer.margin_cells;
+    const Eigen::Vector2i cell = place.floor().cast<int>();  // may lie outside, where only its square reaches in
+    const Eigen::Vector2i inside(std::clamp(cell.x(), 0, nearest.width - 1), std::clamp(cell.y(), 0, height - 1));
+    const Eigen::Vector2i half = size.half_cells(inside, leaf.range);
     const int32_t bits = std::bit_cast<int32_t>(leaf.range);
     const Spans columns(cell.x() - half.x(), cell.x() + half.x(), buffer);
     for (int y = std::max(cell.y() - half.y(), 0); y <= std::min(cell.y() + half.y(), height - 1); ++y) {
@@ -213,6 +217,7 @@ std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector
   const int layer = map.leaf_layer();
   const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
   const Eigen::Matrix3f rotation_f = rotation.cast<float>();
+  const double splat_px = options.splat_radius_leaves * map.options().leaf_size_m * camera.pixels_per_radian();
   // float32 holds 20 m to a micrometre: the large offsets cancel in double first.
   const Eigen::Vector3d camera_in_map = camera_center(camera_from_map);
   const Eigen::Vector3f camera_from_origin = (camera_in_map - map.origin()).cast<float>();
@@ -232,7 +237,8 @@ std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector
       const float range = x_in_camera.norm();
       if (!(range > 0.0f) || range > options.max_distance_m) continue;
       const auto pixel = camera.project(x_in_camera.cast<double>());
-      if (pixel && camera.in_image(*pixel, -0.5 - options.margin_px))
+      const double margin_px = options.margin_px + kMaxMagnification * splat_px / range;
+      if (pixel && camera.in_image(*pixel, -0.5 - margin_px))
         projected.push_back({leaf, range, pixel->cast<float>(), true});
     }
   }

@@ -19,7 +19,7 @@ struct DepthBufferOptions {
   double cell_leaves = 1.0;
   /// Half edge of the square that a leaf covers, in widths of a leaf. 0.5 would just close a surface whose leaves are
   /// all occupied; gaps up to twice this are closed. (0, inf)
-  double splat_radius_leaves = 0.6;
+  double splat_radius_leaves = 0.75;
   /// How far the buffer goes beyond each border of the image, pixels. [0, inf)
   double margin_px = 0.0;
   /// Only leaves on surfaces at least this extended hide others (see find_extended_nodes), so that what moved through
@@ -41,12 +41,13 @@ struct DepthBufferOptions {
 struct ProjectedLeaf {
   uint32_t leaf = 0;
   float range = 0.0f;     // metres
-  Eigen::Vector2f pixel;  // may lie up to the margin outside the image
+  Eigen::Vector2f pixel;  // may lie outside the image
   bool hides = true;      // drawn into the buffer
 };
 
 /// The leaves of the given roots (ascending) whose mean point is within max_distance_m of the camera centre and
-/// projects into the image widened by margin_px; ascending, whatever hides them.
+/// projects into the image widened by margin_px, or so close to it that the square they cover may reach into it;
+/// ascending, whatever hides them. Says which of them hide others.
 std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector<uint32_t>& roots, const Camera& camera,
                                           const Rigid3& camera_from_map, const DepthBufferOptions& options);
 

@@ -27,14 +27,13 @@ struct DepthSampling {
 /// samples around its pixel 1/range is interpolated, which is exact on planes; across a depth step, where
 /// no value between them means anything, the leaf may agree with any of the four.
 std::vector<LeafTruth> judge_leaves(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
-                                    const RangeImage& true_range, const DepthSampling& sampling,
-                                    double max_distance_m);
+                                    const RangeImage& true_range, const DepthSampling& sampling, double max_distance_m);
 
 /// Counts over leaves, summed over images where wanted.
 struct VisibilityScore {
-  size_t num_visible = 0;        // truly
-  size_t num_kept = 0;           // of the judged leaves
-  size_t num_kept_visible = 0;   // truly visible leaves that were kept
+  size_t num_visible = 0;       // truly
+  size_t num_kept = 0;          // of the judged leaves
+  size_t num_kept_visible = 0;  // truly visible leaves that were kept
 
   double recall() const { return static_cast<double>(num_kept_visible) / static_cast<double>(num_visible); }
   double precision() const { return static_cast<double>(num_kept_visible) / static_cast<double>(num_kept); }

@@ -22,10 +22,17 @@ DepthBufferOptions buffer_options_of(const VisibilityOptions& options, const Cam
 }
 
 std::vector<uint32_t> visible_in_depth_buffer(const std::vector<ProjectedLeaf>& candidates, const DepthBuffer& buffer,
-                                              double tolerance_m) {
+                                              const VisibilityOptions& options) {
+  constexpr double kMaxReach = 16.0;  // cells; for leaves within arm's length of the camera
+  const double footprint_cells = options.footprint_leaves * buffer.leaf_size_m * buffer.camera.pixels_per_radian() /
+                                 buffer.cell_px;  // at range 1 m
   std::vector<uint32_t> visible;
   for (const ProjectedLeaf& candidate : candidates) {
-    if (candidate.range <= buffer.farthest_range_near(candidate.pixel.cast<double>()) + tolerance_m)
+    const Eigen::Vector2d pixel = candidate.pixel.cast<double>();
+    const double least_range = candidate.range - options.depth_tolerance_m;
+    const int reach = static_cast<int>(std::lround(std::min(footprint_cells / candidate.range, kMaxReach)));
+    if (buffer.farthest_range_near(pixel) >= least_range ||
+        (reach > 1 && buffer.farthest_range_near(pixel, reach) >= least_range))
       visible.push_back(candidate.leaf);
   }
   return visible;
@@ -71,6 +78,7 @@ void VisibilityOptions::validate() const {
   check_option(dilation >= 0 && dilation <= 8, "dilation", "[0, 8]", dilation);
   check_option(radius_factor >= 0.5, "radius_factor", "[0.5, inf)", radius_factor);
   check_option(depth_tolerance_m >= 0, "depth_tolerance_m", "[0, inf)", depth_tolerance_m);
+  check_option(footprint_leaves >= 0 && footprint_leaves <= 4, "footprint_leaves", "[0, 4]", footprint_leaves);
   check_option(cell_leaves > 0, "cell_leaves", "(0, inf)", cell_leaves);
   check_option(splat_radius_leaves > 0, "splat_radius_leaves", "(0, inf)", splat_radius_leaves);
   check_option(min_occluder_extent >= 0 && min_occluder_extent <= 1, "min_occluder_extent", "[0, 1]",
@@ -83,17 +91,21 @@ VisibilityResult find_visible_leaves(const VoxelMap& map, const Camera& camera, 
   const DepthBufferOptions buffer_options = buffer_options_of(options, camera);
   const std::vector<uint32_t> roots =
       select_roots(map, camera, camera_from_map, options.max_distance_m, options.fov_widening_deg * M_PI / 180.0);
-  const std::vector<ProjectedLeaf> candidates = project_leaves(map, roots, camera, camera_from_map, buffer_options);
+  const std::vector<ProjectedLeaf> leaves = project_leaves(map, roots, camera, camera_from_map, buffer_options);
+  std::vector<ProjectedLeaf> candidates;
+  std::copy_if(leaves.begin(), leaves.end(), std::back_inserter(candidates), [&](const ProjectedLeaf& leaf) {
+    return camera.in_image(leaf.pixel.cast<double>(), -0.5 - buffer_options.margin_px);
+  });
   VisibilityResult result;
   result.num_roots = roots.size();
   result.num_candidates = candidates.size();
   if (options.method == "hidden_points") {
     result.leaves = visible_on_hull(map, candidates, camera_from_map, options.radius_factor);
+    for (int ring = 0; ring < options.dilation; ++ring) dilate(map, candidates, &result.leaves);
   } else {
-    const DepthBuffer buffer = render_depth_buffer(candidates, map.options().leaf_size_m, camera, buffer_options);
-    result.leaves = visible_in_depth_buffer(candidates, buffer, options.depth_tolerance_m);
+    const DepthBuffer buffer = render_depth_buffer(leaves, map.options().leaf_size_m, camera, buffer_options);
+    result.leaves = visible_in_depth_buffer(candidates, buffer, options);
   }
-  for (int ring = 0; ring < options.dilation; ++ring) dilate(map, candidates, &result.leaves);
   return result;
 }
 

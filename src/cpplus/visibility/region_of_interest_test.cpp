@@ -2,27 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
 #include "cpplus/core/error.h"
 #include "cpplus/core/random.h"
+#include "cpplus/visibility/scene_test_util.h"
 
 namespace cpplus {
 namespace {
-
-/// Adds a rectangle corner + s * u + t * v, s and t in [0, 1], as points about `spacing` metres apart.
-void add_rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, double spacing,
-                   double noise_m, Random* random, PointCloud* cloud) {
-  const Eigen::Vector3d normal = u.cross(v).normalized();
-  const int nu = static_cast<int>(u.norm() / spacing);
-  const int nv = static_cast<int>(v.norm() / spacing);
-  for (int i = 0; i <= nu; ++i) {
-    for (int j = 0; j <= nv; ++j) {
-      const double s = (i + random->uniform(-0.3, 0.3)) / nu;
-      const double t = (j + random->uniform(-0.3, 0.3)) / nv;
-      const Eigen::Vector3d x = corner + s * u + t * v + noise_m * random->normal() * normal;
-      cloud->positions.push_back(x.cast<float>());
-    }
-  }
-}
 
 struct TwoRooms {
   VoxelMap map;
@@ -54,7 +44,8 @@ TEST(RegionOfInterest, TheCorridorBehindAVisibleWallIsGone) {
     size_t wall_leaves = 0;
     for (const uint32_t leaf : result.leaves) {
       const double z = rooms.map.center(rooms.map.leaf_layer(), leaf).z();
-      EXPECT_LT(z, wall_z + 0.3) << "wall at " << wall_z;
+      EXPECT_LT(z, wall_z + 0.3) << "wall at " << wall_z << ", leaf at "
+                                 << rooms.map.center(rooms.map.leaf_layer(), leaf).transpose();
       wall_leaves += z < wall_z + 0.3;
     }
     EXPECT_GT(wall_leaves, 100u);
@@ -62,9 +53,60 @@ TEST(RegionOfInterest, TheCorridorBehindAVisibleWallIsGone) {
   }
 }
 
+TEST(RegionOfInterest, LeavesOnTheHullAreThoseOfTheWallToo) {
+  const TwoRooms rooms = two_rooms(5.0, 0.03);
+  VisibilityOptions options;
+  options.method = "hidden_points";
+  options.radius_factor = 30.0;
+  options.dilation = 0;
+  const VisibilityResult plain = find_visible_leaves(rooms.map, pinhole(), Rigid3(), options);
+  size_t behind = 0;
+  for (const uint32_t leaf : plain.leaves) behind += rooms.map.center(rooms.map.leaf_layer(), leaf).z() > 5.3;
+  EXPECT_GT(plain.leaves.size(), 1000u);
+  EXPECT_LT(static_cast<double>(behind), 0.01 * static_cast<double>(plain.leaves.size()));
+
+  options.dilation = 1;
+  const VisibilityResult dilated = find_visible_leaves(rooms.map, pinhole(), Rigid3(), options);
+  EXPECT_GT(dilated.leaves.size(), plain.leaves.size());
+  EXPECT_TRUE(std::includes(dilated.leaves.begin(), dilated.leaves.end(), plain.leaves.begin(), plain.leaves.end()));
+}
+
+TEST(RegionOfInterest, TheWideningKeepsWhatACoarsePosePutsOutside) {
+  const TwoRooms rooms = two_rooms(5.0, 0.05);
+  VisibilityOptions options;
+  options.fov_widening_deg = 0.0;
+  const auto narrow = find_visible_leaves(rooms.map, pinhole(), Rigid3(), options).leaves;
+  const Rigid3 coarse(so3_exp({0, 0.03, 0}), Eigen::Vector3d::Zero());  // 1.7 deg to the side
+  options.fov_widening_deg = 2.5;
+  const auto wide = find_visible_leaves(rooms.map, pinhole(), coarse, options).leaves;
+  std::vector<uint32_t> lost;
+  std::set_difference(narrow.begin(), narrow.end(), wide.begin(), wide.end(), std::back_inserter(lost));
+  EXPECT_LT(static_cast<double>(lost.size()), 0.005 * static_cast<double>(narrow.size()));
+  options.fov_widening_deg = 0.0;
+  const auto cut = find_visible_leaves(rooms.map, pinhole(), coarse, options).leaves;
+  lost.clear();
+  std::set_difference(narrow.begin(), narrow.end(), cut.begin(), cut.end(), std::back_inserter(lost));
+  EXPECT_GT(static_cast<double>(lost.size()), 0.01 * static_cast<double>(narrow.size()));
+}
+
+TEST(RegionOfInterest, NothingBeyondTheDistanceNorInAnEmptyMap) {
+  const TwoRooms rooms = two_rooms(5.0, 0.05);
+  VisibilityOptions options;
+  options.max_distance_m = 4.0;
+  EXPECT_TRUE(find_visible_leaves(rooms.map, pinhole(), Rigid3(), options).leaves.empty());
+  const VoxelMap empty(PointCloud(), VoxelMapOptions{});
+  EXPECT_TRUE(find_visible_leaves(empty, pinhole(), Rigid3(), VisibilityOptions()).leaves.empty());
+}
+
 TEST(RegionOfInterest, RefusesBadOptions) {
   VisibilityOptions options;
   options.max_distance_m = 0.0;
+  EXPECT_THROW(find_visible_leaves(VoxelMap(), pinhole(), Rigid3(), options), Error);
+  options = VisibilityOptions();
+  options.method = "ghpr";
+  EXPECT_THROW(find_visible_leaves(VoxelMap(), pinhole(), Rigid3(), options), Error);
+  options = VisibilityOptions();
+  options.radius_factor = 0.3;
   EXPECT_THROW(find_visible_leaves(VoxelMap(), pinhole(), Rigid3(), options), Error);
 }
 
