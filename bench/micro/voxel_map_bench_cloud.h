@@ -15,7 +15,7 @@ namespace cpplus::bench {
 /// area with 1.5 cm of normal noise. As many rooms as the points fill at the density.
 struct World {
   size_t num_points = 0;
-  /// Dense: 2,600 points a square metre, about 8 in a leaf of 62.5 mm. Sparse: 400, about 2 in a leaf.
+  /// Dense: 2,600 points a square metre, 5 to 6 in a leaf of 62.5 mm. Sparse: 400, 1.7 in a leaf.
   bool sparse = false;
   /// Room after room with the points of a room in random order, as scans add up; or all points in random order.
   bool shuffled = false;

@@ -28,7 +28,8 @@ def summarize(before, after, report):
     names = sorted(start.keys() & end.keys())
     accepted = [name for name in names if status.get(name) == "refined"]
     worse = [name for name in accepted if end[name] > start[name] + WORSE_MARGIN_PX]
-    seconds = [image["milliseconds"]["total"] / 1000.0 for image in report["images"] if "total" in image["milliseconds"]]
+    totals = [image["milliseconds"].get("total") for image in report["images"]]
+    seconds = [total / 1000.0 for total in totals if total is not None]
     figures = {
         "num_images": len(names),
         "before_median_px": statistics.median(start[n] for n in names) if names else None,
@@ -94,7 +95,9 @@ def colorize_row(run):
 def markdown(results):
     """The tables of a whole benchmark, to be read by a person."""
     lines = [
-        f"{results['date']}, {results['machine']}, {results['threads']} thread(s), {results['version']}.\n\n",
+        f"{results['date']}, {results['machine']}, {results['threads']} thread(s), cpplus {results['version']}"
+        + (f", refine {results['refine_options']}" if results["refine_options"] else "")
+        + ".\n\n",
         "Pixels are medians over a scene of the images' mean reprojection shift. Scenes with exact truth: sharp images, "
         "against the poses that fit the map best, on the exact surface. Recorded scenes: "
         f"{results['trials']} trials, each image turned by {results['angle_deg']:g}° and moved by "

@@ -55,7 +55,7 @@ def random_unit_vector(generator):
 
 
 def disturb(pose, angle_deg, distance_m, generator):
-    """Turns the camera by exactly angle_deg about a random axis and moves it by exactly distance_m in a random direction."""
+    """Turns the camera by exactly angle_deg about a random axis and moves it by distance_m in a random direction."""
     half = math.radians(angle_deg) / 2.0
     axis = random_unit_vector(generator)
     step = random_unit_vector(generator)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Quality benchmark: runs every scene of a data folder through `cpplus refine`, `cpplus evaluate` and `cpplus colorize`.
+"""Quality benchmark: runs every scene of a data folder through `cpplus refine`, `evaluate` and `colorize`.
 
 Writes OUT/quality.json and OUT/quality.md; the models, reports and logs of the runs stay in OUT/runs. The exit code is
 1 when a run failed. Needs nothing but Python's standard library."""
@@ -11,6 +11,7 @@ import os
 import pathlib
 import platform
 import re
+import shlex
 import subprocess
 import sys
 import time
@@ -32,7 +33,7 @@ class Program:
         self.threads = threads
 
     def version(self):
-        return subprocess.run([self.binary, "--version"], capture_output=True, text=True).stdout.strip() or "cpplus"
+        return subprocess.run([self.binary, "--version"], capture_output=True, text=True).stdout.strip() or "unknown"
 
     def run(self, log, *arguments):
         """Returns (seconds, peak MB); standard output and error go to the file `log`."""
@@ -62,8 +63,9 @@ def refine_run(program, kind, scene, start_name, out, images, start, reference, 
     run = {"scene": scene.name, "start": start_name, "kind": kind, "error": "", "figures": None, "peak_mb": None,
            "seconds": None}
     try:
-        run["seconds"], run["peak_mb"] = program.run(out / "refine.log", "refine", "--map", scene / "map.pcd", "--images",
-                                                     images, "--poses", start, "--out", out, *refine_options)
+        run["seconds"], run["peak_mb"] = program.run(out / "refine.log", "refine", "--map", scene / "map.pcd",
+                                                     "--images", images, "--poses", start, "--out", out,
+                                                     *refine_options)
         before = program.evaluate(out / "before.json", start, reference, *measure_options)
         after = program.evaluate(out / "after.json", out / "sparse", reference, *measure_options)
         run["figures"] = figures.summarize(before, after, json.loads((out / "report.json").read_text()))
@@ -72,9 +74,9 @@ def refine_run(program, kind, scene, start_name, out, images, start, reference, 
     return run
 
 
-def truth_runs(program, scene, out):
+def truth_runs(program, scene, out, settings):
     """A scene with exact truth, from each of its coarse starts."""
-    options = []
+    options = shlex.split(settings.refine)
     if (scene / "stamps.txt").exists():
         options += ["--stamps", scene / "stamps.txt"]
     if (scene / "scans" / "poses.txt").exists():
@@ -103,7 +105,8 @@ def recorded_runs(program, scene, out, settings):
         if not link.is_symlink():
             link.symlink_to((scene / "images").resolve())
     yield refine_run(program, "recorded", scene, f"{settings.angle_deg:g}°, {100 * settings.distance_m:g} cm", folder,
-                     images, folder / "start", folder / "reference", [], ["--map", scene / "map.pcd"])
+                     images, folder / "start", folder / "reference", shlex.split(settings.refine),
+                     ["--map", scene / "map.pcd"])
 
 
 def colorize_run(program, scene, model, out):
@@ -154,6 +157,8 @@ def parse_arguments():
     parser.add_argument("--angle-deg", type=float, default=1.0, help="rotation of a disturbance")
     parser.add_argument("--distance-m", type=float, default=0.05, help="translation of a disturbance")
     parser.add_argument("--seed", type=int, default=1, help="seed of the disturbances")
+    parser.add_argument("--refine", default="", metavar="OPTIONS",
+                        help="more options for cpplus refine: --refine='--a 1 --b 2'")
     parser.add_argument("--threads", type=int, default=1, help="threads of cpplus; times are meant for one")
     parser.add_argument("--no-colorize", action="store_true", help="leave cpplus colorize out")
     return parser.parse_args()
@@ -171,7 +176,8 @@ def main():
     runs_folder = settings.out / "runs"
     results = {"date": datetime.date.today().isoformat(), "machine": machine(), "version": program.version(),
                "threads": settings.threads, "trials": settings.trials, "angle_deg": settings.angle_deg,
-               "distance_m": settings.distance_m, "seed": settings.seed, "refine": [], "colorize": []}
+               "distance_m": settings.distance_m, "seed": settings.seed, "refine_options": settings.refine,
+               "refine": [], "colorize": []}
 
     def keep(kind, run, row):
         print(row, end="", flush=True)
@@ -182,7 +188,7 @@ def main():
     settings.out.mkdir(parents=True, exist_ok=True)
     print(figures.REFINE_HEADER, end="")
     for scene in truth:
-        for run in truth_runs(program, scene, runs_folder):
+        for run in truth_runs(program, scene, runs_folder, settings):
             keep("refine", run, figures.refine_row(run))
     for scene in recorded:
         for run in recorded_runs(program, scene, runs_folder, settings):

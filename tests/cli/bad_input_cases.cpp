@@ -189,6 +189,61 @@ Cases text_cases() {
   };
 }
 
+Arguments evaluate(const TinyScene& scene, const Arguments& more = {}) {
+  Arguments arguments = {"evaluate", "--estimate", scene.path("model"), "--reference", scene.path("model")};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+Arguments simulate(const TinyScene& scene, const Arguments& more) {
+  Arguments arguments = {"simulate", "--out", scene.path("out"), "--images", "1", "--scans", "1"};
+  for (size_t i = 0; i + 1 < more.size(); i += 2) arguments = with_flag(arguments, more[i], more[i + 1]);
+  return arguments;
+}
+
+Cases evaluate_cases() {
+  return {
+      {"reference that does not exist",
+       [](const TinyScene& scene) { return with_flag(evaluate(scene), "--reference", scene.path("none")); }},
+      {"models without a common image",
+       [](const TinyScene& scene) {
+         std::filesystem::copy(scene.path("model"), scene.path("other"));
+         scene.write("other/images.txt", "1 1 0 0 0 0 0 0 1 x.png\n\n");
+         return with_flag(evaluate(scene), "--reference", scene.path("other"));
+       }},
+      {"checkerboards that are not JSON",
+       [](const TinyScene& scene) {
+         scene.write("boards.json", "{\"boards\": [");
+         return evaluate(scene, {"--checkerboards", scene.path("boards.json")});
+       }},
+      {"folder of ranges that does not exist",
+       [](const TinyScene& scene) {
+         return evaluate(scene, {"--depth", scene.path("none")});
+       }},
+  };
+}
+
+Cases simulate_cases() {
+  return {
+      {"unknown scene",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "castle"});
+       }},
+      {"no images to simulate",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--images", "0"});
+       }},
+      {"camera that cannot be simulated",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--camera", "FULL_OPENCV"});
+       }},
+      {"world below a file",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--out", scene.path("map.pcd/world")});
+       }},
+  };
+}
+
 Cases output_cases() {
   return {
       {"output of unknown extension", colorize_flag("--out", "DIR/out.xyz")},
@@ -225,7 +280,8 @@ Cases usage_cases() {
 
 Cases bad_input_cases() {
   Cases all;
-  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), output_cases(), usage_cases()}) {
+  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), evaluate_cases(), simulate_cases(),
+                     output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

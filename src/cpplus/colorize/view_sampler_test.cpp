@@ -120,6 +120,25 @@ TEST_F(ViewSamplerTest, OptionsOutOfRangeAreRejected) {
   EXPECT_THROW(options_.validate(), Error);
 }
 
+TEST(ViewSampler, APanoramaIsSampledAcrossItsSeam) {
+  ColorView view;
+  view.name = "panorama";
+  view.camera = Camera(CameraModel::kEquirectangular, 360, 180, {360.0, 180.0});
+  view.image = ColorImage(360, 180, Rgb{10, 20, 30});
+  view.depth.camera = view.camera;
+  view.depth.wraps = true;
+  view.depth.range = RangeImage(180, 90, 4.0f);
+  for (int y = 0; y < 90; ++y) view.depth.range.at(0, y) = 2.0f;  // something near in the first column only
+  const ViewSamplingOptions options;
+  const ViewSampler sampler(view, options);
+  const auto straight_behind = [](double degrees) {
+    return Eigen::Vector3d(std::sin(M_PI - degrees * M_PI / 180), 0, std::cos(M_PI - degrees * M_PI / 180));
+  };
+  EXPECT_TRUE(sampler.sample(4 * straight_behind(20), -straight_behind(20)));
+  EXPECT_FALSE(
+      sampler.sample(4 * straight_behind(1.5), -straight_behind(1.5)));  // the near column is next, round the seam
+}
+
 TEST(Bilinear, MixesTheFourNeighboursByHand) {
   ColorImage image(2, 2);
   image.at(0, 0) = {0, 0, 0};

@@ -75,7 +75,7 @@ std::vector<std::string> split(const std::string& path) {
 }
 
 std::string yaml_value(const OptionField& field) {
-  const std::string text = option_text(field);
+  std::string text = option_text(field);
   if (!std::holds_alternative<std::string*>(field.value)) return text;
   YAML::Emitter emitter;
   emitter << YAML::DoubleQuoted << text;

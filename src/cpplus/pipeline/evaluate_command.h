@@ -27,17 +27,17 @@ struct EvaluateOptions {
   void visit(Visitor& visitor) {
     visitor("estimate", estimate, "COLMAP model folder to be judged.");
     visitor("reference", reference, "COLMAP model folder that it is compared with.");
-    visitor("depth", depth,
-            "Folder of exact ranges (one STEM.npz an image) that give the reprojection shift; empty = none.");
+    visitor("map", map, "Point cloud whose visible points give the reprojection shift; empty = none.");
+    visitor("depth", depth, "Folder of exact ranges (one STEM.npz an image) to use instead of the map; empty = none.");
     visitor("depth_poses", depth_poses, "COLMAP model folder that the ranges were made from; empty = the reference.");
     visitor("checkerboards", checkerboards, "JSON file with checkerboard corners; empty = none.");
     visitor("exclude", exclude, "Text file with image names to leave out, one a line; empty = none.");
   }
 };
 
-/// Reads what the options name and compares the two models. Surface points of an image come from its range file;
-/// without one it has no reprojection shift. Throws Error naming the file for unreadable input, and where the models
-/// have no image in common.
+/// Reads what the options name and compares the two models. Surface points of an image come from its range file, else
+/// from the map; with neither it has no reprojection shift. Throws Error naming the file for unreadable input, and where
+/// the models have no image in common.
 ModelComparison evaluate_models(const EvaluateOptions& options);
 
 /// One JSON object: `images` (a list), `summary`, `absolute` (ATE), `relative` (RPE), `only_in_estimate`,

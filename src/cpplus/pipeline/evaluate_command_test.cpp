@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/option_list.h"
 
 namespace cpplus {
 namespace {
@@ -94,6 +95,14 @@ TEST_F(EvaluateScene, ModelsWithoutACommonImageAreAnError) {
   EXPECT_EQ(evaluate_models(options_for("coarse_small")).only_in_reference.size(), 0u);
   options.estimate = std::string(CPPLUS_DATA_DIR) + "/recorded/mlcc_hku_courtyard/reference";
   EXPECT_THROW(evaluate_models(options), Error);
+}
+
+TEST(EvaluateOptions, AreAllOnTheCommandLine) {
+  EvaluateOptions options;
+  std::vector<std::string> names;
+  for (const OptionField& field : list_options(options)) names.push_back(field.path);
+  EXPECT_THAT(names,
+              testing::ElementsAre("estimate", "reference", "map", "depth", "depth_poses", "checkerboards", "exclude"));
 }
 
 TEST(EvaluateOptions, NameBothModelsAndNoPosesWithoutRanges) {

@@ -34,25 +34,49 @@ double returned_light(const Scene& scene, const TraceHit& hit, const Vector3f& d
   return std::min(1.0, material.lidar_reflectance * grey) * (0.25 + 0.75 * cosine);
 }
 
-/// The strongest echo of a bundle of rays.
-Echo strongest_echo(const Tracer& tracer, const BodyPoses& bodies, const Vector3f& origin,
-                    const std::vector<Vector3f>& rays, double echo_length_m) {
-  struct Return {
-    double range;
-    double light;
-    bool moving;
-  };
-  std::vector<Return> returns;
-  for (const Vector3f& ray : rays) {
-    const auto hit = tracer.trace(origin, ray, bodies);
-    if (hit) returns.push_back({hit->range, returned_light(tracer.scene(), *hit, ray), hit->body >= 0});
+/// A beam as a few rays: its axis and, with divergence, four on a circle that holds half of a uniform beam's light.
+struct Bundle {
+  std::array<Vector3f, 5> rays;
+  size_t count = 1;
+};
+
+Bundle make_bundle(const Vector3f& axis, double divergence_mrad) {
+  Bundle bundle;
+  bundle.rays[0] = axis;
+  if (divergence_mrad <= 0.0) return bundle;
+  const auto offset = static_cast<float>(0.5e-3 * divergence_mrad * std::sqrt(0.5));
+  const Vector3f helper = std::abs(axis.z()) < 0.9f ? Vector3f::UnitZ() : Vector3f::UnitX();
+  const Vector3f across = helper.cross(axis).normalized();
+  const Vector3f up = axis.cross(across);
+  for (const Vector3f& side : {across, up, Vector3f(-across), Vector3f(-up)}) {
+    bundle.rays[bundle.count++] = (axis + offset * side).normalized();
   }
-  std::sort(returns.begin(), returns.end(), [](const Return& a, const Return& b) { return a.range < b.range; });
+  return bundle;
+}
+
+/// The strongest echo of a bundle of rays.
+Echo strongest_echo(const Tracer& tracer, const BodyPoses& bodies, const Vector3f& origin, const Bundle& bundle,
+                    double echo_length_m) {
+  struct Return {
+    double range = 0.0;
+    double light = 0.0;
+    bool moving = false;
+  };
+  std::array<Return, 5> returns;
+  size_t count = 0;
+  for (size_t i = 0; i < bundle.count; ++i) {
+    const auto hit = tracer.trace(origin, bundle.rays[i], bodies);
+    if (!hit) continue;
+    // Kept in the order of the range.
+    size_t place = count++;
+    for (; place > 0 && returns[place - 1].range > hit->range; --place) returns[place] = returns[place - 1];
+    returns[place] = {hit->range, returned_light(tracer.scene(), *hit, bundle.rays[i]), hit->body >= 0};
+  }
   Echo best;
   size_t best_count = 0;
-  for (size_t begin = 0; begin < returns.size();) {
+  for (size_t begin = 0; begin < count;) {
     size_t end = begin + 1;
-    while (end < returns.size() && returns[end].range - returns[end - 1].range < echo_length_m) ++end;
+    while (end < count && returns[end].range - returns[end - 1].range < echo_length_m) ++end;
     if (end - begin > best_count) {
       best_count = end - begin;
       best = Echo{};
@@ -60,7 +84,7 @@ Echo strongest_echo(const Tracer& tracer, const BodyPoses& bodies, const Vector3
       size_t moving = 0;
       for (size_t i = begin; i < end; ++i) {
         best.range += returns[i].range / static_cast<double>(best_count);
-        best.intensity += returns[i].light / static_cast<double>(rays.size());
+        best.intensity += returns[i].light / static_cast<double>(bundle.count);
         moving += returns[i].moving ? 1 : 0;
       }
       best.moving = 2 * moving > best_count;
@@ -68,20 +92,6 @@ Echo strongest_echo(const Tracer& tracer, const BodyPoses& bodies, const Vector3
     begin = end;
   }
   return best;
-}
-
-/// The beam's axis and, with divergence, four rays on a circle that holds half of a uniform beam's light.
-std::vector<Vector3f> beam_bundle(const Vector3f& axis, double divergence_mrad) {
-  std::vector<Vector3f> rays = {axis};
-  if (divergence_mrad <= 0.0) return rays;
-  const float offset = static_cast<float>(0.5e-3 * divergence_mrad * std::sqrt(0.5));
-  const Vector3f helper = std::abs(axis.z()) < 0.9f ? Vector3f::UnitZ() : Vector3f::UnitX();
-  const Vector3f across = helper.cross(axis).normalized();
-  const Vector3f up = axis.cross(across);
-  for (const Vector3f& side : {across, up, Vector3f(-across), Vector3f(-up)}) {
-    rays.push_back((axis + offset * side).normalized());
-  }
-  return rays;
 }
 
 }  // namespace
@@ -139,7 +149,7 @@ LidarScan fire_scan(const Tracer& tracer, const Rigid3& map_from_lidar, double s
     for (size_t i = begin; i < end; ++i) {
       const Vector3f axis = (map_from_lidar.rotation * directions[i]).cast<float>();
       Echo echo =
-          strongest_echo(tracer, bodies, origin, beam_bundle(axis, options.divergence_mrad), options.echo_length_m);
+          strongest_echo(tracer, bodies, origin, make_bundle(axis, options.divergence_mrad), options.echo_length_m);
       Random random(hash_seed(seed, static_cast<uint64_t>(scan), i));
       echo.range += options.range_noise_m * random.normal();
       echo.intensity = std::clamp(255.0 * echo.intensity * (1.0 + 0.04 * random.normal()), 0.0, 255.0);

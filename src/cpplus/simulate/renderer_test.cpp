@@ -84,6 +84,37 @@ TEST(Renderer, RangeIsTheDistanceAlongTheRay) {
   EXPECT_NEAR(range.at(20, 15), 2.0 * Vector3d(0.02, 0.02, 1.0).norm(), 1e-4);
 }
 
+TEST(Renderer, ARollingShutterReadsEachRowAtItsOwnInstant) {
+  Scene scene = wall_and_square();
+  // Walks sideways at 1 m/s or so: rows that are read later see the square farther to the right.
+  scene.way.points.clear();
+  for (int i = 0; i <= 20; ++i) scene.way.points.push_back({{0.0, 0.1 * i - 1.0}, 0.0});
+  scene.way.speed_mps = 1.0;
+  const Tracer tracer(scene);
+  const SoftLight light(tracer, 0.1f);
+  const Path path(scene.way);
+  const Camera camera(CameraModel::kPinhole, 160, 120, {100.0, 100.0, 79.5, 59.5});
+  RenderOptions options;
+  options.samples_per_pixel = 16;
+  options.noise_grey = 0.0;
+  options.readout_s = 0.2;
+  const Renderer renderer(tracer, light, camera, path, camera_ahead(), options);
+  Shot shot;
+  shot.stamp_s = 0.5 * path.duration_s();
+  const ColorImage image = renderer.render(shot);
+  double upper = 0.0;
+  double lower = 0.0;
+  for (const bool is_upper : {true, false}) {
+    const auto on_edge = renderer.project(shot, {2.0, 0.5, is_upper ? 0.35 : -0.35});
+    ASSERT_TRUE(on_edge.has_value());
+    const int row = static_cast<int>(std::lround(on_edge->y()));
+    const int start = static_cast<int>(on_edge->x()) - 10;
+    EXPECT_NEAR(start + step_position(image, start, row, 1, 0, 20), on_edge->x(), 0.15);
+    (is_upper ? upper : lower) = on_edge->x();
+  }
+  EXPECT_GT(lower - upper, 1.0);
+}
+
 TEST(Renderer, JoltBlursAlongItsDirectionOnly) {
   const Camera camera(CameraModel::kPinhole, 160, 120, {100.0, 100.0, 79.5, 59.5});
   Shot shot;

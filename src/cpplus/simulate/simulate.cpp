@@ -54,14 +54,50 @@ Rigid3 make_extrinsic(uint64_t seed) {
                 Vector3d(random.uniform(0.05, 0.1), random.uniform(-0.03, 0.03), random.uniform(-0.13, -0.08)));
 }
 
-/// For a LiDAR that stands: the camera wanders within arm's reach of the start and looks the same way.
-Way standing_way(const Way& way, uint64_t seed) {
+/// How much a standing LiDAR sees from a place: free depth in a cone of 30 degrees, and checkerboards.
+double view_score(const Tracer& tracer, const WayPoint& place, double height_m) {
+  constexpr double kFarEnough = 8.0;
+  constexpr double kHalfCone = 0.52;
+  constexpr int kRays = 15;
+  const Vector3d eye(place.position.x(), place.position.y(), height_m);
+  double score = 0.0;
+  for (int i = 0; i < kRays; ++i) {
+    const double angle = place.yaw_rad + kHalfCone * (2.0 * i / (kRays - 1) - 1.0);
+    const auto hit =
+        tracer.trace_static(eye.cast<float>(), Vector3d(std::cos(angle), std::sin(angle), 0.0).cast<float>());
+    score += std::min(hit ? static_cast<double>(hit->range) : kFarEnough, kFarEnough) / (kFarEnough * kRays);
+  }
+  for (const Checkerboard& board : tracer.scene().boards) {
+    const Vector3d ray = 0.5 * (board.corners.front() + board.corners.back()) - eye;
+    const double turn = std::remainder(std::atan2(ray.y(), ray.x()) - place.yaw_rad, 2.0 * M_PI);
+    const auto hit = tracer.trace_static(eye.cast<float>(), ray.normalized().cast<float>());
+    const bool seen = hit && hit->range > ray.norm() - 0.05 && hit->normal.dot(ray.cast<float>()) < 0.0f;
+    if (seen && std::abs(turn) < 0.8 * kHalfCone) score += 0.5;
+  }
+  return score;
+}
+
+/// For a LiDAR that stands: the camera wanders within arm's reach of it and looks the same way. The place is the one
+/// of the way, and the direction the one of eight, that show most.
+Way standing_way(const Tracer& tracer, uint64_t seed) {
+  constexpr int kDirections = 8;
+  constexpr int kPoints = 12;
   Random random(hash_seed(seed, 0x57));
-  Way standing = way;
-  const WayPoint start = way.points.front();
+  Way standing = tracer.scene().way;
+  WayPoint best = standing.points.front();
+  double best_score = -1.0;
+  for (WayPoint place : tracer.scene().way.points) {
+    for (int i = 0; i < kDirections; ++i) {
+      place.yaw_rad += 2.0 * M_PI / kDirections;
+      const double score = view_score(tracer, place, standing.lidar_height_m);
+      if (score <= best_score) continue;
+      best_score = score;
+      best = place;
+    }
+  }
   standing.points.clear();
-  for (int i = 0; i < 12; ++i) {
-    WayPoint point = start;
+  for (int i = 0; i < kPoints; ++i) {
+    WayPoint point = best;
     point.position += 0.35 * Eigen::Vector2d(std::sin(1.1 * i), std::sin(1.7 * i + 0.4));
     point.yaw_rad += random.uniform(-0.2, 0.2);
     standing.points.push_back(point);
@@ -252,7 +288,8 @@ SimulatedWorld simulate_world(const SimulateOptions& options) {
   if (!options.moving) world.scene.bodies.clear();
   world.camera = make_camera(options);
   world.lidar_from_camera = make_extrinsic(seed);
-  const Path path(options.standing ? standing_way(world.scene.way, seed) : world.scene.way);
+  if (options.standing) world.scene.way = standing_way(Tracer(world.scene), seed);
+  const Path path(world.scene.way);
   std::erase_if(world.scene.bodies, [&](const MovingBody& body) { return runs_into(body, path); });
   const Tracer tracer(world.scene);
 

@@ -35,7 +35,7 @@ struct SimulateOptions {
   int blurred = 1;
   /// Number of scans. [1, 100000]
   int scans = 36;
-  /// The LiDAR stands at the start of its way and looks ahead; the images are taken within arm's reach of it.
+  /// The LiDAR stands where its way shows most; the images are taken within reach of it.
   bool standing = false;
   /// People and cars move (where the scene has them).
   bool moving = true;
