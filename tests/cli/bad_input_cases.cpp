@@ -189,6 +189,48 @@ Cases text_cases() {
   };
 }
 
+BadInputCase refine_after_writing(const std::string& file, const std::string& text) {
+  return [=](const TinyScene& scene) {
+    scene.write(file, text);
+    return scene.refine();
+  };
+}
+
+Cases refine_cases() {
+  return {
+      {"view without edges", [](const TinyScene& scene) { return scene.refine(); }},
+      {"camera outside the map",
+       [](const TinyScene& scene) {
+         scene.replace("model/images.txt", "0.1 0 0", "900 0 0");
+         return scene.refine();
+       }},
+      {"corrupt image among good ones", refine_after_writing("images/b.png", "no picture")},
+      {"pose without image to refine",
+       [](const TinyScene& scene) {
+         std::filesystem::remove(scene.path("images/b.png"));
+         return scene.refine();
+       }},
+      {"image to refine of another size than its camera",
+       [](const TinyScene& scene) {
+         scene.write("model/cameras.txt", "1 PINHOLE 64 48 60 60 32 24\n2 PINHOLE 128 96 60 60 64 48\n");
+         scene.replace("model/images.txt", "0 0 1 b.png", "0 0 2 b.png");
+         return scene.refine();
+       }},
+      {"no image to refine can be read",
+       [](const TinyScene& scene) {
+         for (const char* name : {"images/a.png", "images/b.png"}) scene.write(name, "no picture");
+         return scene.refine();
+       }},
+      {"empty map to refine against", refine_after_writing("map.pcd", pcd("x y z", {}))},
+      {"refined model below a file",
+       [](const TinyScene& scene) { return with_flag(scene.refine(), "--out", scene.path("map.pcd/out")); }},
+      {"read-only folder for the refined model",
+       [](const TinyScene& scene) { return with_flag(scene.refine(), "--out", "/proc/cpplus"); }},
+      {"option of refine out of range",
+       [](const TinyScene& scene) { return with_flag(scene.refine(), "--voxel-map.root-size-m", "0"); }},
+  };
+}
+
 Arguments evaluate(const TinyScene& scene, const Arguments& more = {}) {
   Arguments arguments = {"evaluate", "--estimate", scene.path("model"), "--reference", scene.path("model")};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -280,8 +322,8 @@ Cases usage_cases() {
 
 Cases bad_input_cases() {
   Cases all;
-  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), evaluate_cases(), simulate_cases(),
-                     output_cases(), usage_cases()}) {
+  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), refine_cases(), evaluate_cases(),
+                     simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

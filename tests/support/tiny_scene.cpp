@@ -82,6 +82,13 @@ std::vector<std::string> TinyScene::colorize(const std::vector<std::string>& mor
   return arguments;
 }
 
+std::vector<std::string> TinyScene::refine(const std::vector<std::string>& more) const {
+  std::vector<std::string> arguments = {"refine",  "--map",       path("map.pcd"), "--images", path("images"),
+                                        "--poses", path("model"), "--out",         path("out")};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
 std::vector<std::string> TinyScene::colorize_with(const std::string& flag, const std::string& value) const {
   return with_flag(colorize(), flag, value);
 }

@@ -25,7 +25,8 @@ class TinyScene {
 
   /// Arguments that work; `more` follows them.
   std::vector<std::string> colorize(const std::vector<std::string>& more = {}) const;
-  /// The same with another value for one flag.
+  std::vector<std::string> refine(const std::vector<std::string>& more = {}) const;
+  /// `colorize` with another value for one flag.
   std::vector<std::string> colorize_with(const std::string& flag, const std::string& value) const;
 
  private:
