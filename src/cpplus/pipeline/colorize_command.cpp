@@ -107,7 +107,7 @@ void write_debug_images(const ColorizeCommandOptions& options, const SparseModel
     const PosedImage& posed = model.images[index];
     const Camera& camera = model.cameras.at(posed.camera_id);
     const ColorImage rendering =
-        render_cloud(cloud, camera, posed.camera_from_map, options.voxel_map.leaf_size_m / 3.0);
+        render_cloud(cloud, camera, posed.camera_from_map, 0.4 * options.voxel_map.leaf_size_m);
     const ColorImage photo = read_color_image(image_path(options.images, posed.name));
     write_png(image_path(options.debug_images, debug_image_name(posed.name)), side_by_side(photo, rendering));
   }
