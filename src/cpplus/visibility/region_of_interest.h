@@ -27,7 +27,7 @@ struct VisibilityOptions {
   double depth_tolerance_m = 0.15;
   /// A leaf is a body: it counts as seen where a point up to this far beside its mean would be, in widths of a leaf
   /// (but at least in the neighbouring cells). [0, 4]
-  double footprint_leaves = 0.5;
+  double footprint_leaves = 0.75;
   /// Edge of a cell of the depth buffer, in widths of a leaf seen at max_distance_m. (0, inf)
   double cell_leaves = 1.0;
   /// Half edge of the square a leaf covers in the depth buffer, in widths of a leaf. (0, inf)
