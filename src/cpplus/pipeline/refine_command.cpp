@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include "cpplus/core/error.h"
@@ -12,6 +15,7 @@
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/point_cloud_io.h"
+#include "cpplus/io/stamps_io.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/report/overlay.h"
 
@@ -75,22 +79,85 @@ SparseModel refined_model(const SparseModel& coarse, const std::vector<ImageRepo
   return model;
 }
 
-std::vector<ImageReport> refine_all(const MapFeatures& features, const SparseModel& model,
-                                    const RefineCommandOptions& options) {
-  std::vector<ImageReport> reports(model.images.size());
-  Progress progress("refine", model.images.size());
-  parallel_for_each(model.images.size(), [&](size_t i) {
-    const PosedImage& image = model.images[i];
-    const Camera& camera = model.cameras.at(image.camera_id);
-    const std::string path = image_path(options.images, image.name);
-    const RefinedImage refined = refine_image(
-        features, image.name, camera, image.camera_from_map, [&] { return decode_for(path, camera); }, options.stages);
-    write_overlay(options, camera, image.camera_from_map, refined);
-    reports[i] = refined.report;
-    progress.advance();
-  });
-  return reports;
-}
+// Refines images of a model, all of them or some once more from a better guess.
+class ModelRefiner {
+ public:
+  ModelRefiner(const MapFeatures& features, const SparseModel& model, const RefineCommandOptions& options)
+      : features_(features), model_(model), options_(options), reports_(model.images.size()) {}
+
+  std::vector<ImageReport> run(const std::map<std::string, double>& stamps) {
+    std::vector<size_t> all(model_.images.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    std::vector<PoseGuess> guesses;
+    for (const PosedImage& image : model_.images) {
+      guesses.push_back({image.camera_from_map, options_.stages.refine.prior.sigmas()});
+    }
+    refine("refine", all, guesses);
+    if (options_.joint) refine("refine doubtful", find_doubtful(stamps, &guesses), guesses);
+    return std::move(reports_);
+  }
+
+ private:
+  void refine(const std::string& label, const std::vector<size_t>& images, const std::vector<PoseGuess>& guesses) {
+    Progress progress(label, images.size());
+    parallel_for_each(images.size(), [&](size_t k) {
+      const size_t i = images[k];
+      const PosedImage& image = model_.images[i];
+      const Camera& camera = model_.cameras.at(image.camera_id);
+      const std::string path = image_path(options_.images, image.name);
+      const RefinedImage refined = refine_image(features_, image.name, camera, image.camera_from_map, guesses[i],
+                                                [&] { return decode_for(path, camera); }, options_.stages);
+      write_overlay(options_, camera, image.camera_from_map, refined);
+      reports_[i] = refined.report;
+      progress.advance();
+    });
+  }
+
+  // Each camera of a rig has errors of its own, so each makes a sequence of its own.
+  std::vector<size_t> find_doubtful(const std::map<std::string, double>& stamps, std::vector<PoseGuess>* guesses) const {
+    std::map<uint32_t, std::vector<std::pair<double, size_t>>> sequences;
+    for (size_t i = 0; i < model_.images.size(); ++i) {
+      const auto stamp = stamps.find(model_.images[i].name);
+      if (!stamps.empty() && stamp == stamps.end()) continue;
+      sequences[model_.images[i].camera_id].emplace_back(stamps.empty() ? static_cast<double>(i) : stamp->second, i);
+    }
+    std::vector<size_t> doubtful;
+    for (auto& [camera, sequence] : sequences) {
+      std::sort(sequence.begin(), sequence.end());
+      find_doubtful_in(sequence, guesses, &doubtful);
+    }
+    std::sort(doubtful.begin(), doubtful.end());
+    return doubtful;
+  }
+
+  void find_doubtful_in(const std::vector<std::pair<double, size_t>>& sequence, std::vector<PoseGuess>* guesses,
+                        std::vector<size_t>* doubtful) const {
+    std::vector<PoseCorrection> corrections;
+    for (const auto& [time, i] : sequence) {
+      const RefinePoseResult& r = reports_[i].refine;
+      corrections.push_back({time, camera_difference(model_.images[i].camera_from_map, r.camera_from_map), r.information,
+                             reports_[i].status == ImageStatus::kRefined});
+    }
+    const std::vector<PosePrediction> predictions =
+        predict_corrections(corrections, options_.stages.refine.prior.sigmas(), options_.stages.sequence);
+    for (size_t k = 0; k < predictions.size(); ++k) {
+      const size_t i = sequence[k].second;
+      const bool contradicts = corrections[k].usable && predictions[k].consistency > kMaxConsistency;
+      if (!contradicts && reports_[i].status != ImageStatus::kKeptCoarse) continue;
+      (*guesses)[i] = {perturb_camera(model_.images[i].camera_from_map, predictions[k].mean), predictions[k].sigmas};
+      doubtful->push_back(i);
+    }
+  }
+
+  // Squared distance from its neighbours' prediction above which a pose is looked at again: 95 % of a chi-squared
+  // variable with six degrees of freedom.
+  static constexpr double kMaxConsistency = 12.6;
+
+  const MapFeatures& features_;
+  const SparseModel& model_;
+  const RefineCommandOptions& options_;
+  std::vector<ImageReport> reports_;
+};
 
 }  // namespace
 
@@ -107,6 +174,8 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   const SparseModel model = read_sparse_model(options.poses);
   const ImageFolder folder = find_images(options.images, model);
   warn_of_unmatched(options.images, model, folder);
+  const std::map<std::string, double> stamps =
+      options.stamps.empty() ? std::map<std::string, double>{} : read_stamps(options.stamps);
   MapReport map_report;
   map_report.path = options.map;
   ReadCounts counts;
@@ -118,7 +187,7 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   map_report.num_edges = features.edges.size();
   map_report.noise_m = features.planes.noise_m;
 
-  const std::vector<ImageReport> reports = refine_all(features, model, options);
+  const std::vector<ImageReport> reports = ModelRefiner(features, model, options).run(stamps);
   const RefineSummary summary = summarise(reports);
   if (summary.num_unreadable == summary.num_images) {
     throw Error(fmt::format("{}: none of the model's images can be read", options.images));

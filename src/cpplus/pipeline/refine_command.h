@@ -17,6 +17,11 @@ struct RefineCommandOptions {
   std::string out;
   /// Folder for overlays of the map's edges before and after, one an image; "" = none.
   std::string debug_images;
+  /// Text file with the instant of each image, "NAME SECONDS" a line; "" = the model's order counts as the order in time.
+  std::string stamps;
+  /// Lets the images inform each other: one whose pose is doubtful is looked for again where its neighbours in time
+  /// predict it.
+  bool joint = true;
   /// Leaves images that were not refined out of the output model.
   bool only_refined = false;
   RefineImagesOptions stages;
@@ -29,6 +34,8 @@ struct RefineCommandOptions {
     visitor("poses", poses, "COLMAP model folder with cameras and coarse poses in the map.");
     visitor("out", out, "Folder for the refined model (sparse/) and report.json.");
     visitor("debug_images", debug_images, "Folder for overlays of the map's edges before and after; empty = none.");
+    visitor("stamps", stamps, "File with the instant of each image, NAME SECONDS a line; empty = the model's order.");
+    visitor("joint", joint, "Look for doubtful poses again where their neighbours in time predict them.");
     visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
     stages.visit(visitor);
   }

@@ -40,6 +40,7 @@ void RefineImagesOptions::validate() const {
   blur.validate();
   image_edges.validate();
   refine.validate();
+  sequence.validate();
 }
 
 MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options) {
@@ -52,7 +53,8 @@ MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOpti
 }
 
 RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
-                          const Rigid3& coarse_camera_from_map, const std::function<GrayImage()>& decode,
+                          const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
+                          const std::function<GrayImage()>& decode,
                           const RefineImagesOptions& options) {
   RefinedImage result;
   ImageReport& report = result.report;
@@ -83,18 +85,18 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
   if (!sees_map(features, camera, coarse_camera_from_map, options.samples.max_distance_m)) {
     return finish(ImageStatus::kOutsideMap, "no part of the map is in view");
   }
-  const PlaneBuffer planes = options.local ? nothing_hidden(features, camera, coarse_camera_from_map)
+  const PlaneBuffer planes = options.local ? nothing_hidden(features, camera, guess.camera_from_map)
                                            : render_plane_buffer(features.map, features.planes, features.surface,
                                                                  camera, coarse_camera_from_map, options.visibility);
   lap("visibility");
-  result.samples = sample_visible_edges(features.edges, camera, coarse_camera_from_map, planes, options.samples);
+  result.samples = sample_visible_edges(features.edges, camera, guess.camera_from_map, planes, options.samples);
   report.num_map_edges = static_cast<int>(count_edges(result.samples));
   lap("samples");
 
   const ImageEdges image_edges = detect_image_edges(image, options.image_edges);
   lap("image_edges");
   report.refine =
-      refine_pose(camera, coarse_camera_from_map, features.edges, result.samples, image_edges, options.refine);
+      refine_pose(camera, coarse_camera_from_map, guess, features.edges, result.samples, image_edges, options.refine);
   report.camera_from_map = report.refine.camera_from_map;
   lap("refine");
   const bool refined = report.refine.status == RefineStatus::kRefined;

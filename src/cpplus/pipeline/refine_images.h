@@ -9,6 +9,7 @@
 #include "cpplus/features/image_edges.h"
 #include "cpplus/features/map_edges.h"
 #include "cpplus/features/plane_segmentation.h"
+#include "cpplus/refine/pose_sequence.h"
 #include "cpplus/refine/refine_pose.h"
 #include "cpplus/report/refine_report.h"
 #include "cpplus/visibility/plane_buffer_renderer.h"
@@ -27,6 +28,7 @@ struct RefineImagesOptions {
   BlurOptions blur;
   ImageEdgeOptions image_edges;
   RefinePoseOptions refine;
+  PoseSequenceOptions sequence;
 
   void validate() const;
   template <typename Visitor>
@@ -40,6 +42,7 @@ struct RefineImagesOptions {
     visitor.group("blur", blur);
     visitor.group("image_edges", image_edges);
     visitor.group("refine", refine);
+    visitor.group("sequence", sequence);
   }
 };
 
@@ -60,8 +63,10 @@ struct RefinedImage {
 };
 
 /// One image against the map. `decode` yields the grey image or throws Error, which becomes the status `unreadable`.
+/// `guess` is where the pose is looked for, the coarse pose what the result must beat.
 RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
-                          const Rigid3& coarse_camera_from_map, const std::function<GrayImage()>& decode,
+                          const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
+                          const std::function<GrayImage()>& decode,
                           const RefineImagesOptions& options);
 
 }  // namespace cpplus

@@ -54,6 +54,12 @@ struct PosePrior {
   Vector6d sigmas() const;
 };
 
+/// What is known of a pose before its image is looked at: a Gaussian around `camera_from_map`.
+struct PoseGuess {
+  Rigid3 camera_from_map;
+  Vector6d sigmas = Vector6d::Ones();  // rad, rad, rad, m, m, m, in the camera frame
+};
+
 struct PoseSearchResult {
   Rigid3 camera_from_map;
   double start_score = 0.0;  // log likelihood ratio to edges put at random
@@ -64,8 +70,8 @@ struct PoseSearchResult {
 /// poses drawn from the prior, then around the best ones with a shrinking spread and a shrinking kernel (an annealed
 /// evolution strategy). A nearest-edge iteration takes whatever edge is near; a score over all samples takes the pose
 /// on which most of them agree, so texture beside an edge does not capture it. Deterministic.
-PoseSearchResult search_pose(const Camera& camera, const Rigid3& camera_from_map, const std::vector<MapEdge>& edges,
+PoseSearchResult search_pose(const Camera& camera, const PoseGuess& guess, const std::vector<MapEdge>& edges,
                              const std::vector<EdgeSample>& samples, const DirectionalDistanceField& field,
-                             const PosePrior& prior, const PoseSearchOptions& options);
+                             const PoseSearchOptions& options);
 
 }  // namespace cpplus

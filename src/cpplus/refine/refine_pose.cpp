@@ -12,6 +12,7 @@
 #include "cpplus/core/stopwatch.h"
 #include "cpplus/refine/degeneracy.h"
 #include "cpplus/refine/edge_cost.h"
+#include "cpplus/refine/edge_likelihood.h"
 #include "cpplus/refine/edgel_index.h"
 #include "cpplus/refine/projected_sample.h"
 
@@ -31,13 +32,15 @@ struct Match {
 
 class PoseRefiner {
  public:
-  PoseRefiner(const Camera& camera, const Rigid3& coarse, const std::vector<MapEdge>& edges,
+  PoseRefiner(const Camera& camera, const Rigid3& coarse, const PoseGuess& guess, const std::vector<MapEdge>& edges,
               const std::vector<EdgeSample>& samples, const ImageEdges& image_edges, const RefinePoseOptions& options)
       : camera_(camera),
         coarse_(coarse),
+        guess_(guess),
         edges_(edges),
         image_edges_(image_edges),
         index_(image_edges),
+        field_(image_edges, kFieldCellPx, 3.0 * options.search.first_kernel_px),
         options_(options),
         min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
     for (const EdgeSample& sample : samples) (is_held_out(sample) ? held_out_ : fitted_).push_back(sample);
@@ -54,11 +57,10 @@ class PoseRefiner {
       return keep(std::move(result), "too few map edges in view");
     }
 
-    Rigid3 pose = coarse_;
+    Rigid3 pose = guess_.camera_from_map;
     if (options_.search.enabled) {
       const Stopwatch watch;
-      const DirectionalDistanceField field(image_edges_, kFieldCellPx, 3.0 * options_.search.first_kernel_px);
-      pose = search_pose(camera_, coarse_, edges_, fitted_, field, options_.prior, options_.search).camera_from_map;
+      pose = search_pose(camera_, guess_, edges_, fitted_, field_, options_.search).camera_from_map;
       result.search_milliseconds = watch.milliseconds();
     }
     const Stopwatch watch;
@@ -132,7 +134,7 @@ class PoseRefiner {
       problem.AddResidualBlock(make_edge_cost(camera_, pose, m.sample->x_in_map, m.pixel, m.normal, m.sigma_px), loss,
                                delta.data());
     }
-    problem.AddResidualBlock(make_prior_cost(camera_difference(pose, coarse_), options_.prior.sigmas()), nullptr,
+    problem.AddResidualBlock(make_prior_cost(camera_difference(pose, guess_.camera_from_map), guess_.sigmas), nullptr,
                              delta.data());
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::DENSE_QR;
@@ -159,6 +161,9 @@ class PoseRefiner {
     }
     residual.num_samples = static_cast<int>(distances.size());
     if (distances.empty()) return residual;
+    EdgeLikelihood likelihood(camera_, pose, edges_, samples, field_, static_cast<int>(samples.size()));
+    likelihood.set_kernel(options_.search.last_kernel_px);
+    residual.log_ratio = likelihood.log_ratio(Vector6d::Zero());
     double squares = 0.0;
     int inliers = 0;
     for (const double distance : distances) {
@@ -194,19 +199,20 @@ class PoseRefiner {
   }
 
   void judge(const Rigid3& pose, const std::vector<Match>& matches, RefinePoseResult* result) const {
-    const Degeneracy degeneracy = analyse_information(information_of(matches), options_.prior.sigmas());
+    result->information = information_of(matches);
+    const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas);
     result->covariance = degeneracy.covariance;
     result->information_eigenvalues = degeneracy.eigenvalues;
     result->weak_directions = degeneracy.weak_directions;
-    const EdgeResidual& held_out = held_out_.empty() ? result->after : result->held_out_after;
-    const EdgeResidual& held_out_before = held_out_.empty() ? result->before : result->held_out_before;
+    const double gain = held_out_.empty() ? result->after.log_ratio - result->before.log_ratio
+                                          : result->held_out_after.log_ratio - result->held_out_before.log_ratio;
     if (result->num_matches < options_.min_samples || result->num_edges < options_.min_edges) {
       result->reason = "too few matched edges";
     } else if (degeneracy.weak_directions.size() >= 4) {
       result->reason = "the matched edges determine too few directions";
-    } else if (held_out.inlier_share < options_.min_inlier_share) {
-      result->reason = "held-out edges do not lie on image edges";
-    } else if (held_out.rms_px >= held_out_before.rms_px) {
+    } else if (result->after.log_ratio + result->held_out_after.log_ratio < options_.min_log_ratio) {
+      result->reason = "the map's edges do not lie on image edges more than by chance";
+    } else if (gain <= 0.0) {
       result->reason = "held-out edges do not fit better than before";
     }
     if (!result->reason.empty()) return;
@@ -221,9 +227,11 @@ class PoseRefiner {
 
   const Camera& camera_;
   const Rigid3 coarse_;
+  const PoseGuess guess_;
   const std::vector<MapEdge>& edges_;
   const ImageEdges& image_edges_;
   const EdgelIndex index_;
+  const DirectionalDistanceField field_;
   const RefinePoseOptions& options_;
   double min_cos_;
   std::vector<EdgeSample> fitted_;
@@ -245,13 +253,12 @@ void RefinePoseOptions::validate() const {
   check_option(held_out_share >= 0 && held_out_share < 1, "held_out_share", "[0, 1)", held_out_share);
   check_option(min_edges >= 1, "min_edges", "[1, inf)", min_edges);
   check_option(min_samples >= 1, "min_samples", "[1, inf)", min_samples);
-  check_option(min_inlier_share >= 0 && min_inlier_share <= 1, "min_inlier_share", "[0, 1]", min_inlier_share);
 }
 
-RefinePoseResult refine_pose(const Camera& camera, const Rigid3& coarse_camera_from_map,
+RefinePoseResult refine_pose(const Camera& camera, const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
                              const std::vector<MapEdge>& edges, const std::vector<EdgeSample>& samples,
                              const ImageEdges& image_edges, const RefinePoseOptions& options) {
-  return PoseRefiner(camera, coarse_camera_from_map, edges, samples, image_edges, options).run();
+  return PoseRefiner(camera, coarse_camera_from_map, guess, edges, samples, image_edges, options).run();
 }
 
 }  // namespace cpplus

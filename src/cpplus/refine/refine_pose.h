@@ -34,8 +34,8 @@ struct RefinePoseOptions {
   /// Fewest matched edges and samples for a result. [1, inf)
   int min_edges = 5;
   int min_samples = 30;
-  /// Smallest share of held-out samples within last_radius_px of an image edge. [0, 1]
-  double min_inlier_share = 0.35;
+  /// Least logarithm of the likelihood ratio of all samples, fitted and held out, to edges put at random. (-inf, inf)
+  double min_log_ratio = 5.0;
 
   void validate() const;
   template <typename Visitor>
@@ -52,7 +52,7 @@ struct RefinePoseOptions {
     visitor("held_out_share", held_out_share, "Share of the edges that only judge the result.");
     visitor("min_edges", min_edges, "Fewest matched edges for a result.");
     visitor("min_samples", min_samples, "Fewest matched samples for a result.");
-    visitor("min_inlier_share", min_inlier_share, "Smallest share of held-out samples near an image edge.");
+    visitor("min_log_ratio", min_log_ratio, "Least log likelihood ratio of all samples to edges put at random.");
   }
 };
 
@@ -63,6 +63,7 @@ struct EdgeResidual {
   double median_px = 0.0;
   double rms_px = 0.0;
   double inlier_share = 0.0;  // of all samples: within the last search radius
+  double log_ratio = 0.0;     // logarithm of the likelihood ratio to edges put at random (refine/edge_likelihood.h)
 };
 
 enum class RefineStatus { kRefined, kKeptCoarse };
@@ -82,6 +83,7 @@ struct RefinePoseResult {
   double solve_milliseconds = 0.0;
   /// Of the perturbation in geometry/rigid3.h: rad, rad, rad, m, m, m.
   Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d information = Matrix6d::Zero();  // of the data alone, inverse units
   /// Eigenvalues, ascending, of the data's information in units of the prior's (sigma_prior^2 * information): below 1
   /// the prior knows a direction better than the edges.
   Vector6d information_eigenvalues = Vector6d::Zero();
@@ -89,10 +91,10 @@ struct RefinePoseResult {
 };
 
 /// Aligns one image with the map's edges: minimises, along the image edges' normals, the distance between projected
-/// edge samples and the image edges they match (Eq. 4-5 of Cui & Schwertfeger 2022) with the coarse pose as a prior, so
-/// that directions without evidence stay where they were. The result counts only if edges that were held out fit better
-/// too.
-RefinePoseResult refine_pose(const Camera& camera, const Rigid3& coarse_camera_from_map,
+/// edge samples and the image edges they match (Eq. 4-5 of Cui & Schwertfeger 2022) with the guess as a prior, so that
+/// directions without evidence stay where they were. The result counts only if edges that were held out are explained
+/// better than by the coarse pose.
+RefinePoseResult refine_pose(const Camera& camera, const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
                              const std::vector<MapEdge>& edges, const std::vector<EdgeSample>& samples,
                              const ImageEdges& image_edges, const RefinePoseOptions& options);
 

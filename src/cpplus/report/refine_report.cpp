@@ -18,6 +18,7 @@ Json residual_json(const EdgeResidual& residual) {
   json["median_px"] = number(residual.median_px);
   json["rms_px"] = number(residual.rms_px);
   json["inlier_share"] = number(residual.inlier_share);
+  json["log_ratio"] = number(residual.log_ratio);
   json["samples"] = residual.num_samples;
   json["matches"] = residual.num_matches;
   return json;
