@@ -7,6 +7,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 #include <numbers>
 
 #include "cpplus/core/stopwatch.h"
@@ -43,7 +46,7 @@ class PoseRefiner {
         field_(image_edges, kFieldCellPx, 3.0 * options.search.first_kernel_px),
         options_(options),
         min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
-    for (const EdgeSample& sample : samples) (is_held_out(sample) ? held_out_ : fitted_).push_back(sample);
+    split(samples);
   }
 
   RefinePoseResult run() {
@@ -66,11 +69,11 @@ class PoseRefiner {
     const Stopwatch watch;
     std::vector<Match> matches;
     for (int round = 0; round < options_.max_iterations; ++round) {
-      matches = match(pose, radius_of(round));
+      matches = match(fitted_, pose, radius_of(round));
       if (static_cast<int>(matches.size()) < options_.min_samples) break;
       pose = minimise(pose, matches, &result.iterations);
     }
-    matches = match(pose, options_.last_radius_px);
+    matches = match(fitted_, pose, options_.last_radius_px);
     result.num_matches = static_cast<int>(matches.size());
     result.num_edges = count_edges(matches);
     result.after = residual_of(fitted_, pose);
@@ -82,11 +85,25 @@ class PoseRefiner {
   }
 
  private:
-  // Whole edges, and all pieces of an edge, are held out together: samples of one edge fit together.
-  bool is_held_out(const EdgeSample& sample) const {
-    if (options_.held_out_share <= 0) return false;
-    const uint64_t hash = (static_cast<uint64_t>(edges_[sample.edge].group) + 1) * 0x9E3779B97F4A7C15ull;
-    return static_cast<double>(hash >> 40) * 0x1.0p-24 < options_.held_out_share;
+  // Whole edges, and all pieces of an edge, are held out together: samples of one edge fit together. Every n-th edge in
+  // the order of their samples, so that both parts have long and short ones.
+  void split(const std::vector<EdgeSample>& samples) {
+    std::map<uint32_t, size_t> samples_of_group;
+    for (const EdgeSample& sample : samples) ++samples_of_group[edges_[sample.edge].group];
+    std::vector<std::pair<size_t, uint32_t>> groups;
+    for (const auto& [group, count] : samples_of_group) groups.emplace_back(count, group);
+    std::stable_sort(groups.begin(), groups.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
+    std::set<uint32_t> held_out;
+    const double share = options_.held_out_share;
+    for (size_t i = 0; i < groups.size(); ++i) {
+      const double position = static_cast<double>(i) + 0.5;
+      if (std::floor((position + 0.5) * share + 0.5) > std::floor((position - 0.5) * share + 0.5)) {
+        held_out.insert(groups[i].second);
+      }
+    }
+    for (const EdgeSample& sample : samples) {
+      (held_out.contains(edges_[sample.edge].group) ? held_out_ : fitted_).push_back(sample);
+    }
   }
 
   double radius_of(int round) const {
@@ -95,9 +112,9 @@ class PoseRefiner {
     return options_.first_radius_px * std::pow(options_.last_radius_px / options_.first_radius_px, progress);
   }
 
-  std::vector<Match> match(const Rigid3& pose, double radius_px) const {
+  std::vector<Match> match(const std::vector<EdgeSample>& samples, const Rigid3& pose, double radius_px) const {
     std::vector<Match> matches;
-    for (const EdgeSample& sample : fitted_) {
+    for (const EdgeSample& sample : samples) {
       const auto projected = project_sample(camera_, pose, sample);
       if (!projected) continue;
       const auto edgel = index_.nearest_along(projected->pixel, projected->normal, radius_px, min_cos_);
@@ -204,8 +221,9 @@ class PoseRefiner {
     result->covariance = degeneracy.covariance;
     result->information_eigenvalues = degeneracy.eigenvalues;
     result->weak_directions = degeneracy.weak_directions;
-    const double gain = held_out_.empty() ? result->after.log_ratio - result->before.log_ratio
-                                          : result->held_out_after.log_ratio - result->held_out_before.log_ratio;
+    const double edge_gain = held_out_.empty() ? result->after.log_ratio - result->before.log_ratio
+                                               : result->held_out_after.log_ratio - result->held_out_before.log_ratio;
+    const double gain = edge_gain + guess_gain(pose);
     if (result->num_matches < options_.min_samples || result->num_edges < options_.min_edges) {
       result->reason = "too few matched edges";
     } else if (degeneracy.weak_directions.size() >= 4) {
@@ -217,7 +235,37 @@ class PoseRefiner {
     }
     if (!result->reason.empty()) return;
     result->status = RefineStatus::kRefined;
-    result->camera_from_map = pose;
+    result->camera_from_map = finish(pose, result);
+  }
+
+  // Once accepted, the edges that judged may take part: the last round again with all of them.
+  Rigid3 finish(const Rigid3& pose, RefinePoseResult* result) const {
+    std::vector<EdgeSample> all = fitted_;
+    all.insert(all.end(), held_out_.begin(), held_out_.end());
+    const Rigid3 finished = minimise(pose, match(all, pose, options_.last_radius_px), &result->iterations);
+    const std::vector<Match> matches = match(all, finished, options_.last_radius_px);
+    result->num_matches = static_cast<int>(matches.size());
+    result->num_edges = count_edges(matches);
+    result->information = information_of(matches);
+    const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas);
+    result->covariance = degeneracy.covariance;
+    result->information_eigenvalues = degeneracy.eigenvalues;
+    result->weak_directions = degeneracy.weak_directions;
+    result->candidate_camera_from_map = finished;
+    return finished;
+  }
+
+  // A guess that is not the coarse pose comes from other images: evidence on which of two poses is the better one.
+  double guess_gain(const Rigid3& pose) const {
+    const double to_coarse = squared_distance_from_guess(coarse_);
+    if (to_coarse < 1e-12) return 0.0;
+    constexpr double kDegrees = 4.0;  // Student's t: neighbours may be wrong
+    return 0.5 * (kDegrees + 6.0) *
+           (std::log1p(to_coarse / kDegrees) - std::log1p(squared_distance_from_guess(pose) / kDegrees));
+  }
+
+  double squared_distance_from_guess(const Rigid3& pose) const {
+    return camera_difference(guess_.camera_from_map, pose).cwiseQuotient(guess_.sigmas).squaredNorm();
   }
 
   static RefinePoseResult keep(RefinePoseResult result, const char* reason) {
