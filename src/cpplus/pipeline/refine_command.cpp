@@ -105,8 +105,9 @@ class ModelRefiner {
       const PosedImage& image = model_.images[i];
       const Camera& camera = model_.cameras.at(image.camera_id);
       const std::string path = image_path(options_.images, image.name);
-      const RefinedImage refined = refine_image(features_, image.name, camera, image.camera_from_map, guesses[i],
-                                                [&] { return decode_for(path, camera); }, options_.stages);
+      const RefinedImage refined = refine_image(
+          features_, image.name, camera, image.camera_from_map, guesses[i], [&] { return decode_for(path, camera); },
+          options_.stages);
       write_overlay(options_, camera, image.camera_from_map, refined);
       reports_[i] = refined.report;
       progress.advance();
@@ -114,7 +115,8 @@ class ModelRefiner {
   }
 
   // Each camera of a rig has errors of its own, so each makes a sequence of its own.
-  std::vector<size_t> find_doubtful(const std::map<std::string, double>& stamps, std::vector<PoseGuess>* guesses) const {
+  std::vector<size_t> find_doubtful(const std::map<std::string, double>& stamps,
+                                    std::vector<PoseGuess>* guesses) const {
     std::map<uint32_t, std::vector<std::pair<double, size_t>>> sequences;
     for (size_t i = 0; i < model_.images.size(); ++i) {
       const auto stamp = stamps.find(model_.images[i].name);
@@ -135,8 +137,8 @@ class ModelRefiner {
     std::vector<PoseCorrection> corrections;
     for (const auto& [time, i] : sequence) {
       const RefinePoseResult& r = reports_[i].refine;
-      corrections.push_back({time, camera_difference(model_.images[i].camera_from_map, r.camera_from_map), r.information,
-                             reports_[i].status == ImageStatus::kRefined});
+      corrections.push_back({time, camera_difference(model_.images[i].camera_from_map, r.camera_from_map),
+                             r.information, reports_[i].status == ImageStatus::kRefined});
     }
     const std::vector<PosePrediction> predictions =
         predict_corrections(corrections, options_.stages.refine.prior.sigmas(), options_.stages.sequence);

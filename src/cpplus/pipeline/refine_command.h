@@ -17,7 +17,8 @@ struct RefineCommandOptions {
   std::string out;
   /// Folder for overlays of the map's edges before and after, one an image; "" = none.
   std::string debug_images;
-  /// Text file with the instant of each image, "NAME SECONDS" a line; "" = the model's order counts as the order in time.
+  /// Text file with the instant of each image, "NAME SECONDS" a line; "" = the model's order counts as the order in
+  /// time.
   std::string stamps;
   /// Lets the images inform each other: one whose pose is doubtful is looked for again where its neighbours in time
   /// predict it.

@@ -54,8 +54,7 @@ MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOpti
 
 RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
                           const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
-                          const std::function<GrayImage()>& decode,
-                          const RefineImagesOptions& options) {
+                          const std::function<GrayImage()>& decode, const RefineImagesOptions& options) {
   RefinedImage result;
   ImageReport& report = result.report;
   report.name = name;

@@ -66,7 +66,6 @@ struct RefinedImage {
 /// `guess` is where the pose is looked for, the coarse pose what the result must beat.
 RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
                           const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
-                          const std::function<GrayImage()>& decode,
-                          const RefineImagesOptions& options);
+                          const std::function<GrayImage()>& decode, const RefineImagesOptions& options);
 
 }  // namespace cpplus

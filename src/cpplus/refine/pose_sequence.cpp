@@ -18,9 +18,7 @@ struct Gaussian {
   Matrix6d information = Matrix6d::Zero();
   Vector6d vector = Vector6d::Zero();
 
-  Gaussian operator+(const Gaussian& other) const {
-    return {information + other.information, vector + other.vector};
-  }
+  Gaussian operator+(const Gaussian& other) const { return {information + other.information, vector + other.vector}; }
   Matrix6d covariance() const { return information.llt().solve(Matrix6d::Identity()); }
   Vector6d mean() const { return information.llt().solve(vector); }
 };
@@ -112,7 +110,8 @@ class SequenceSmoother {
     Matrix6d innovation;
     for (size_t i = 0; i < corrections_.size(); ++i) {
       if (!corrections_[i].usable) continue;
-      weights_[i] = std::min(1.0, (kStudentDegrees + 6.0) / (kStudentDegrees + squared_distance(i, cavity[i], &innovation)));
+      weights_[i] =
+          std::min(1.0, (kStudentDegrees + 6.0) / (kStudentDegrees + squared_distance(i, cavity[i], &innovation)));
     }
   }
 
@@ -164,7 +163,8 @@ void PoseSequenceOptions::validate() const {
 
 std::vector<PosePrediction> predict_corrections(const std::vector<PoseCorrection>& corrections,
                                                 const Vector6d& prior_sigmas, const PoseSequenceOptions& options) {
-  const auto usable = std::count_if(corrections.begin(), corrections.end(), [](const PoseCorrection& c) { return c.usable; });
+  const auto usable =
+      std::count_if(corrections.begin(), corrections.end(), [](const PoseCorrection& c) { return c.usable; });
   if (usable < options.min_images) return {};
   return SequenceSmoother(corrections, prior_sigmas, options).run();
 }

@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <utility>
-#include <numbers>
 
 #include "cpplus/core/stopwatch.h"
 #include "cpplus/refine/degeneracy.h"
