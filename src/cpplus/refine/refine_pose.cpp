@@ -119,8 +119,9 @@ class PoseRefiner {
       if (!projected) continue;
       const auto edgel = index_.nearest_along(projected->pixel, projected->normal, radius_px, min_cos_);
       if (!edgel) continue;
-      Match m{&sample,   index_.edgel(*edgel).pixel.cast<double>(), index_.edgel(*edgel).normal.cast<double>(), 0, 0,
-              *projected};
+      // Across the projected edge: an edgel's own normal is 2 degrees noisy, which would pass for evidence along
+      // the edge where all edges are parallel.
+      Match m{&sample, index_.edgel(*edgel).pixel.cast<double>(), projected->normal, 0, 0, *projected};
       weigh(&m);
       matches.push_back(m);
     }

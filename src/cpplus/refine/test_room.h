@@ -95,12 +95,12 @@ inline TestRoom make_room(const std::optional<Box>& shell, const std::vector<Box
   return room;
 }
 
-/// 6 x 5 x 3 m with four boxes, two of them on the floor, a shelf and a beam.
+/// 6 x 5 x 3 m with six boxes: three on the floor, a shelf, a beam and a lamp.
 inline TestRoom furnished_room() {
-  return make_room(Box{{0, 0, 0}, {6, 5, 3}}, {{{3.6, 2.0, 0.0}, {4.3, 2.9, 0.8}},
-                                               {{4.9, 3.6, 0.0}, {6.0, 5.0, 1.9}},
-                                               {{2.0, 4.5, 1.3}, {3.4, 5.0, 1.7}},
-                                               {{4.6, 0.0, 2.6}, {5.0, 5.0, 3.0}}});
+  const std::vector<Box> boxes = {{{3.6, 2.0, 0.0}, {4.3, 2.9, 0.8}}, {{4.9, 3.6, 0.0}, {6.0, 5.0, 1.9}},
+                                  {{1.2, 2.2, 0.0}, {1.9, 2.8, 1.0}}, {{2.0, 4.5, 1.3}, {3.4, 5.0, 1.7}},
+                                  {{4.6, 0.0, 2.6}, {5.0, 5.0, 3.0}}, {{2.2, 1.2, 1.9}, {2.6, 1.6, 2.2}}};
+  return make_room(Box{{0, 0, 0}, {6, 5, 3}}, boxes);
 }
 
 /// Range of the box along the ray (entry from outside, exit from inside) and the face met: 2 * axis + side.
@@ -179,7 +179,7 @@ inline Rigid3 look_at(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 }
 
 inline Camera test_camera() {
-  return Camera(CameraModel::kOpenCv, 640, 480, {420, 425, 321, 238, -0.08, 0.02, 0.0005, -0.0003});
+  return Camera(CameraModel::kOpenCv, 640, 480, {330, 334, 321, 238, -0.08, 0.02, 0.0005, -0.0003});
 }
 
 inline Rigid3 true_view() { return look_at({0.9, 0.8, 1.6}, {4.4, 3.7, 1.2}); }
