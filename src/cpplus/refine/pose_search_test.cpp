@@ -21,7 +21,7 @@ Found search_from(const Rigid3& start, const DrawnNoise& noise) {
   const PoseSearchOptions options;
   const DirectionalDistanceField field(image, 4, 3.0 * options.first_kernel_px);
   Found found;
-  found.result = search_pose(camera, start, room.edges, samples, field, PosePrior(), options);
+  found.result = search_pose(camera, {start, PosePrior().sigmas()}, room.edges, samples, field, options);
   found.start_shift_px = mean_shift_px(room, camera, true_view(), start);
   found.shift_px = mean_shift_px(room, camera, true_view(), found.result.camera_from_map);
   return found;
@@ -56,7 +56,7 @@ TEST(SearchPose, TheSameInputGivesTheSameBits) {
 TEST(SearchPose, WithoutSamplesTheStartStays) {
   const Camera camera = test_camera();
   const DirectionalDistanceField field(draw_room(furnished_room(), camera, true_view(), {}), 4, 24.0);
-  const PoseSearchResult result = search_pose(camera, true_view(), {}, {}, field, PosePrior(), PoseSearchOptions());
+  const PoseSearchResult result = search_pose(camera, {true_view(), PosePrior().sigmas()}, {}, {}, field, {});
   EXPECT_EQ(result.camera_from_map.translation, true_view().translation);
 }
 

@@ -21,7 +21,7 @@ RefinePoseResult refine_from(const Rigid3& start, const ImageEdges& image, const
                              const RefinePoseOptions& options = {}) {
   const Camera camera = test_camera();
   const auto samples = sample_visible_edges(room.edges, camera, start, cast_plane_buffer(room, camera, start), {});
-  return refine_pose(camera, start, room.edges, samples, image, options);
+  return refine_pose(camera, start, {start, options.prior.sigmas()}, room.edges, samples, image, options);
 }
 
 ImageEdges photograph(double textured_share, int clutter_chains) {
