@@ -7,6 +7,7 @@
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/features/moments.h"
+#include "cpplus/features/settle_points.h"
 
 namespace cpplus {
 namespace {
@@ -40,6 +41,7 @@ class PlaneGrower {
     for (const std::vector<Seed>& layer : seeds) {
       for (const Seed& seed : layer) grow(seed);
     }
+    settle_points(map_, {options_.max_distance_sigmas, options_.min_plane_points}, &result_);
     return std::move(result_);
   }
 
