@@ -1,15 +1,16 @@
 #include "cpplus/features/crease_edges.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include "cpplus/core/parallel.h"
-#include "cpplus/features/moments.h"
+#include "cpplus/features/leaf_planes.h"
+#include "cpplus/features/local_plane.h"
 
 namespace cpplus {
 namespace {
@@ -22,12 +23,6 @@ using PlanePair = std::pair<int32_t, int32_t>;
 struct Line {
   Eigen::Vector3d point;
   Eigen::Vector3d direction;
-};
-
-struct Fit {
-  Eigen::Vector3d normal;
-  Eigen::Vector3d centroid;
-  double offset_variance_at_line = 0.0;  // square metres
 };
 
 std::optional<Line> intersect(const Eigen::Vector3d& normal_a, const Eigen::Vector3d& centroid_a,
@@ -48,53 +43,86 @@ class CreaseFinder {
       : map_(map),
         planes_(planes),
         options_(options),
-        max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)) {}
+        max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)),
+        // The strip must be wider than the noise of the other plane, which its points cannot be told from.
+        support_distance_(std::max(options.support_distance_m, 6.0 * planes.noise_m)) {}
 
   std::vector<MapEdge> run() {
-    const std::map<PlanePair, std::vector<uint32_t>> pairs = adjacent_pairs();
-    std::vector<std::pair<PlanePair, const std::vector<uint32_t>*>> list;
-    for (const auto& [pair, leaves] : pairs) list.emplace_back(pair, &leaves);
-    std::vector<std::vector<MapEdge>> edges_of_pair(list.size());
-    parallel_for_each(list.size(), [&](size_t i) { edges_of_pair[i] = edges_of(list[i].first, *list[i].second); });
-
+    const std::vector<Contact> contacts = find_contacts();
+    std::vector<size_t> first;  // contact of each pair, and the end
+    for (size_t i = 0; i < contacts.size(); ++i) {
+      if (i == 0 || contacts[i].pair != contacts[i - 1].pair) first.push_back(i);
+    }
+    first.push_back(contacts.size());
+    std::vector<std::vector<MapEdge>> edges_of_pair(first.size() - 1);
+    parallel_for_each(edges_of_pair.size(), [&](size_t k) {
+      std::vector<uint32_t> leaves;
+      for (size_t i = first[k]; i < first[k + 1]; ++i) leaves.push_back(contacts[i].leaf);
+      edges_of_pair[k] = edges_of(contacts[first[k]].pair, leaves);
+    });
     return concatenate_groups(edges_of_pair);
   }
 
  private:
-  // Pairs of planes whose leaves touch at an angle in range, with the leaves of both where they do.
-  std::map<PlanePair, std::vector<uint32_t>> adjacent_pairs() const {
-    std::vector<std::vector<int32_t>> planes_of_leaf(map_.num_nodes(map_.leaf_layer()));
-    for (size_t p = 0; p < planes_.leaves.size(); ++p) {
-      for (const uint32_t leaf : planes_.leaves[p]) planes_of_leaf[leaf].push_back(static_cast<int32_t>(p));
-    }
-    std::map<PlanePair, std::vector<uint32_t>> pairs;
-    std::vector<uint32_t> neighbors;
-    for (uint32_t leaf = 0; leaf < planes_of_leaf.size(); ++leaf) {
-      if (planes_of_leaf[leaf].empty()) continue;
-      map_.neighbors(map_.leaf_layer(), leaf, false, &neighbors);
-      neighbors.push_back(leaf);
-      for (const uint32_t neighbor : neighbors) {
-        for (const int32_t a : planes_of_leaf[leaf]) {
-          for (const int32_t b : planes_of_leaf[neighbor]) {
-            if (a == b || !angle_in_range(a, b)) continue;
-            std::vector<uint32_t>& leaves = pairs[std::minmax(a, b)];
-            if (leaves.empty() || leaves.back() != leaf) leaves.push_back(leaf);
+  // A leaf in or beside which two planes touch at an angle in range.
+  struct Contact {
+    PlanePair pair;
+    uint32_t leaf;
+    bool operator<(const Contact& other) const { return std::tie(pair, leaf) < std::tie(other.pair, other.leaf); }
+    bool operator==(const Contact& other) const { return pair == other.pair && leaf == other.leaf; }
+  };
+
+  std::vector<Contact> find_contacts() const {
+    const LeafPlanes planes_of_leaf(map_, planes_.plane_of_point);
+    constexpr size_t kGrain = 4096;
+    const size_t num_leaves = map_.num_nodes(map_.leaf_layer());
+    std::vector<std::vector<Contact>> chunks((num_leaves + kGrain - 1) / kGrain);
+    parallel_for_chunks(num_leaves, kGrain, [&](size_t begin, size_t end) {
+      std::vector<Contact>& found = chunks[begin / kGrain];
+      std::vector<uint32_t> neighbors;
+      for (size_t k = begin; k < end; ++k) {
+        const uint32_t leaf = static_cast<uint32_t>(k);
+        if (planes_of_leaf[leaf].empty()) continue;
+        map_.neighbors(map_.leaf_layer(), leaf, false, &neighbors);
+        neighbors.push_back(leaf);
+        const size_t before = found.size();
+        for (const uint32_t neighbor : neighbors) {
+          for (const int32_t a : planes_of_leaf[leaf]) {
+            for (const int32_t b : planes_of_leaf[neighbor]) {
+              if (a != b && angle_in_range(a, b)) found.push_back({std::minmax(a, b), leaf});
+            }
           }
         }
+        std::sort(found.begin() + static_cast<std::ptrdiff_t>(before), found.end());
+        found.erase(std::unique(found.begin() + static_cast<std::ptrdiff_t>(before), found.end()), found.end());
       }
-    }
-    return pairs;
+    });
+    std::vector<Contact> contacts;
+    for (const std::vector<Contact>& chunk : chunks) contacts.insert(contacts.end(), chunk.begin(), chunk.end());
+    std::sort(contacts.begin(), contacts.end());
+    return contacts;
   }
 
   const MapPlane& plane(int32_t id) const { return planes_.planes[static_cast<size_t>(id)]; }
 
   bool angle_in_range(int32_t a, int32_t b) const { return std::abs(plane(a).normal.dot(plane(b).normal)) < max_cos_; }
 
-  // What one plane shows along a line: per bin, how near its points come and on which side they lie.
+  // What one plane shows along a line, per bin. Points within the noise of the other plane may be the other's: they
+  // show that the surface reaches the line, but neither where it ends nor on which side it lies.
   struct Support {
-    std::vector<float> nearest;  // metres, infinity = none
-    std::vector<int> left;
+    explicit Support(size_t bins)
+        : nearest(bins, std::numeric_limits<float>::infinity()),
+          points(bins),
+          left(bins),
+          right(bins),
+          first(bins, std::numeric_limits<double>::max()),
+          last(bins, std::numeric_limits<double>::lowest()) {}
+    std::vector<float> nearest;  // metres from the line, infinity = none
+    std::vector<int> points;
+    std::vector<int> left;  // off the other plane
     std::vector<int> right;
+    std::vector<double> first;  // metres along the line, off the other plane
+    std::vector<double> last;
   };
 
   struct Range {
@@ -129,42 +157,81 @@ class CreaseFinder {
     end += map_.options().leaf_size_m;
     const Range range{begin, static_cast<int>(std::ceil((end - begin) / kBin))};
 
-    const Support support_a = support_of(pair.first, a, *line, around, range);
-    const Support support_b = support_of(pair.second, b, *line, around, range);
+    const Support support_a = support_of(pair.first, pair.second, *line, around, range);
+    const Support support_b = support_of(pair.second, pair.first, *line, around, range);
     return edges_along(pair, *line, range, support_a, support_b);
   }
 
-  Support support_of(int32_t id, const MapPlane& p, const Line& line, const std::vector<uint32_t>& leaves,
+  Support support_of(int32_t id, int32_t other, const Line& line, const std::vector<uint32_t>& leaves,
                      const Range& range) const {
-    const Eigen::Vector3d side = line.direction.cross(p.normal);
-    const size_t bins = static_cast<size_t>(range.num_bins);
-    Support support{std::vector<float>(bins, std::numeric_limits<float>::infinity()), std::vector<int>(bins),
-                    std::vector<int>(bins)};
+    const Eigen::Vector3d side = line.direction.cross(plane(id).normal);
+    const double keep_off = 3.0 * planes_.noise_m;
+    Support support(static_cast<size_t>(range.num_bins));
     for (const uint32_t leaf : leaves) {
       for (uint32_t i = map_.points_begin(map_.leaf_layer(), leaf); i < map_.points_end(map_.leaf_layer(), leaf); ++i) {
         if (planes_.plane_of_point[i] != id) continue;
-        const Eigen::Vector3d d = map_.point(i) - line.point;
-        const double s = side.dot(d);
-        const int bin = static_cast<int>(std::floor((line.direction.dot(d) - range.begin) / kBin));
-        if (bin < 0 || bin >= range.num_bins || std::abs(s) > options_.support_distance_m) continue;
+        const Eigen::Vector3d x = map_.point(i);
+        const double s = side.dot(x - line.point);
+        const double t = line.direction.dot(x - line.point);
+        const int bin = static_cast<int>(std::floor((t - range.begin) / kBin));
+        if (bin < 0 || bin >= range.num_bins || std::abs(s) > support_distance_) continue;
         const size_t k = static_cast<size_t>(bin);
         support.nearest[k] = std::min(support.nearest[k], static_cast<float>(std::abs(s)));
+        ++support.points[k];
+        if (std::abs(plane(other).signed_distance(x)) < keep_off) continue;
         ++(s < 0 ? support.left : support.right)[k];
+        support.first[k] = std::min(support.first[k], t);
+        support.last[k] = std::max(support.last[k], t);
       }
     }
     return support;
   }
 
-  // Runs of bins in which both planes have points; one missing bin between two supported ones is bridged.
+  // The plane has points of its own in the bin, and around it reaches the line; otherwise the two only hang close to
+  // each other.
+  std::vector<bool> supported_bins(const Support& support) const {
+    const int bins = static_cast<int>(support.nearest.size());
+    std::vector<int> own;
+    for (size_t k = 0; k < support.left.size(); ++k) {
+      if (support.left[k] + support.right[k] > 0) own.push_back(support.left[k] + support.right[k]);
+    }
+    if (own.empty()) return std::vector<bool>(static_cast<size_t>(bins), false);
+    std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2), own.end());
+    const double enough = kMinShare * own[own.size() / 2];
+    std::vector<bool> supported;
+    std::vector<float> nearest;
+    for (int k = 0; k < bins; ++k) {
+      nearest.clear();
+      int points = 0;
+      for (int m = std::max(0, k - kWindow); m <= std::min(bins - 1, k + kWindow); ++m) {
+        const size_t bin = static_cast<size_t>(m);
+        if (support.points[bin] > 0) nearest.push_back(support.nearest[bin]);
+        points += support.points[bin];
+      }
+      const int here = support.left[static_cast<size_t>(k)] + support.right[static_cast<size_t>(k)];
+      if (here == 0 || here < enough) {
+        supported.push_back(false);
+        continue;
+      }
+      const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+      std::nth_element(nearest.begin(), middle, nearest.end());
+      // Mean distance between neighbouring points of the strip along its width, were they spread evenly over it.
+      const double spacing = support_distance_ * static_cast<double>(nearest.size()) / points;
+      supported.push_back(*middle < options_.max_gap_m + std::min(spacing, options_.max_gap_m));
+    }
+    return supported;
+  }
+
+  // Runs of bins in which both planes have points; up to three missing bins between supported ones are bridged.
   std::vector<MapEdge> edges_along(const PlanePair& pair, const Line& line, const Range& range, const Support& a,
                                    const Support& b) const {
-    const int min_bins = static_cast<int>(std::ceil(options_.min_length_m / kBin));
+    const std::vector<bool> supported_a = supported_bins(a);
+    const std::vector<bool> supported_b = supported_bins(b);
+    const auto supported = [&](int k) {
+      return supported_a[static_cast<size_t>(k)] && supported_b[static_cast<size_t>(k)];
+    };
     std::vector<MapEdge> edges;
     uint32_t group = 0;
-    auto supported = [&](int k) {
-      const size_t i = static_cast<size_t>(k);
-      return std::isfinite(a.nearest[i]) && std::isfinite(b.nearest[i]);
-    };
     int begin = 0;
     while (begin < range.num_bins) {
       if (!supported(begin)) {
@@ -175,29 +242,18 @@ class CreaseFinder {
       for (int k = end; k < range.num_bins && k <= end + kMaxGapBins; ++k) {
         if (supported(k)) end = k + 1;
       }
-      if (end - begin >= min_bins && closes(a, begin, end) && closes(b, begin, end)) {
-        append_pieces(pair, line, range.begin + begin * kBin, range.begin + end * kBin, side_of(a, begin, end),
-                      side_of(b, begin, end), group++, &edges);
-      }
+      const size_t first = static_cast<size_t>(begin);
+      const size_t last = static_cast<size_t>(end - 1);
+      const double from = std::max(a.first[first], b.first[first]);
+      const double to = std::min(a.last[last], b.last[last]);
+      const int side_a = side_of(a, begin, end);
+      const int side_b = side_of(b, begin, end);
+      // Where both go on behind the line it is no corner but clutter that two planes pass through.
+      if (to - from >= options_.min_length_m && (side_a != 0 || side_b != 0))
+        append_pieces(pair, line, from, to, side_a, side_b, group++, &edges);
       begin = end + 1;
     }
     return edges;
-  }
-
-  // The plane really reaches the line; otherwise the two only hang close to each other.
-  bool closes(const Support& support, int begin, int end) const {
-    std::vector<float> nearest;
-    for (int k = begin; k < end; ++k) {
-      if (std::isfinite(support.nearest[static_cast<size_t>(k)]))
-        nearest.push_back(support.nearest[static_cast<size_t>(k)]);
-    }
-    int points = 0;
-    for (int k = begin; k < end; ++k)
-      points += support.left[static_cast<size_t>(k)] + support.right[static_cast<size_t>(k)];
-    std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2), nearest.end());
-    // Mean distance between neighbouring points of the strip along its width, were they spread evenly over it.
-    const double spacing = options_.support_distance_m * static_cast<double>(nearest.size()) / std::max(1, points);
-    return nearest[nearest.size() / 2] < options_.max_gap_m + spacing;
   }
 
   // +1 or -1: the side of the line on which the plane lies; 0: it goes on behind the edge.
@@ -220,9 +276,12 @@ class CreaseFinder {
     for (int piece = 0; piece < pieces; ++piece) {
       const double t = begin + (piece + 0.5) * length;
       const Eigen::Vector3d middle = line.point + t * line.direction;
-      const Fit a = local_fit(pair.first, pair.second, line.direction, middle, length);
-      const Fit b = local_fit(pair.second, pair.first, line.direction, middle, length);
-      const std::optional<Line> refined = intersect(a.normal, a.centroid, b.normal, b.centroid, middle);
+      const LinePiece around{middle, line.direction, length};
+      const auto a = fit_local_plane(map_, planes_, pair.first, pair.second, around, options_.fit_distance_m);
+      if (!a) continue;
+      const auto b = fit_local_plane(map_, planes_, pair.second, pair.first, around, options_.fit_distance_m);
+      if (!b || std::abs(a->normal.dot(b->normal)) > max_cos_) continue;
+      const std::optional<Line> refined = intersect(a->normal, a->centroid, b->normal, b->centroid, middle);
       if (!refined || std::abs(refined->direction.dot(line.direction)) < 0.99) continue;
       if ((refined->point - middle).norm() > options_.max_gap_m + 2.0 * planes_.noise_m) continue;
       const Eigen::Vector3d direction =
@@ -230,81 +289,35 @@ class CreaseFinder {
       MapEdge edge;
       edge.start = refined->point - 0.5 * length * direction;
       edge.end = refined->point + 0.5 * length * direction;
-      edge.normal_a = a.normal;
-      edge.normal_b = b.normal;
+      edge.normal_a = a->normal;
+      edge.normal_b = b->normal;
       edge.inward_a = side_a * direction.cross(plane(pair.first).normal).normalized();
       edge.inward_b = side_b * direction.cross(plane(pair.second).normal).normalized();
-      edge.covariance = covariance_of(a, b, direction);
+      edge.covariance = covariance_of(*a, *b, direction);
       edge.group = group;
       edges->push_back(edge);
     }
   }
 
-  // The plane near the edge: its points around the piece, without those within the noise of the other plane.
-  Fit local_fit(int32_t id, int32_t other, const Eigen::Vector3d& direction, const Eigen::Vector3d& middle,
-                double length) const {
-    const MapPlane& p = plane(id);
-    const double keep_off = 3.0 * planes_.noise_m;
-    const double along = 0.5 * length + 0.5 * options_.fit_distance_m;
-    const double reach = std::hypot(along, options_.fit_distance_m) + map_.options().leaf_size_m;
-    Moments moments(middle);
-    for (const uint32_t leaf : planes_.leaves[static_cast<size_t>(id)]) {
-      const uint32_t begin = map_.points_begin(map_.leaf_layer(), leaf);
-      if ((map_.point(begin) - middle).squaredNorm() > reach * reach) continue;
-      for (uint32_t i = begin; i < map_.points_end(map_.leaf_layer(), leaf); ++i) {
-        if (planes_.plane_of_point[i] != id) continue;
-        const Eigen::Vector3d x = map_.point(i);
-        const double t = direction.dot(x - middle);
-        if (std::abs(t) > along || (x - middle - t * direction).norm() > options_.fit_distance_m) continue;
-        if (std::abs(plane(other).signed_distance(x)) < keep_off) continue;
-        moments.add(x);
-      }
-    }
-    return fit_of(p, moments, direction, middle);
-  }
-
-  Fit fit_of(const MapPlane& p, const Moments& moments, const Eigen::Vector3d& direction,
-             const Eigen::Vector3d& middle) const {
-    Fit fit{p.normal, p.centroid, 0.0};
-    double variance = std::max(p.sigma_m * p.sigma_m, 1e-6);
-    double effective = static_cast<double>(p.num_points);
-    if (moments.count() >= 30) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(moments.covariance());
-      const Eigen::Vector3d normal = eigen.eigenvectors().col(0);
-      const double spread = eigen.eigenvalues()(1);  // square metres, the narrower extent of the patch
-      // A narrow strip (a door frame) does not hold its own slope: keep the plane's.
-      if (spread > 25.0 * eigen.eigenvalues()(0)) {
-        fit.normal = normal.dot(p.normal) > 0 ? normal : Eigen::Vector3d(-normal);
-      }
-      fit.centroid = moments.mean();
-      variance = std::max(eigen.eigenvalues()(0), 1e-6);
-      effective = static_cast<double>(moments.count());
-    }
-    // Offset of a fitted plane at distance s from its centroid: sigma^2 / n (1 + s^2 / var(s)).
-    const Eigen::Vector3d side = direction.cross(fit.normal);
-    const double lever = side.dot(middle - fit.centroid);
-    const double extent = moments.count() >= 30 ? std::max(1e-4, side.dot(moments.covariance() * side)) : 0.25;
-    fit.offset_variance_at_line = variance / effective * (1.0 + lever * lever / extent);
-    return fit;
-  }
-
   // Position errors e of the two planes along their normals move the line by d with normal_a d = e_a, normal_b d = e_b.
-  Eigen::Matrix3d covariance_of(const Fit& a, const Fit& b, const Eigen::Vector3d& direction) const {
+  Eigen::Matrix3d covariance_of(const LocalPlane& a, const LocalPlane& b, const Eigen::Vector3d& direction) const {
     Eigen::Matrix3d system;
     system << a.normal.transpose(), b.normal.transpose(), direction.transpose();
     const Eigen::Matrix3d from_errors = system.inverse();
     const double map_variance = options_.map_sigma_m * options_.map_sigma_m;
-    const Eigen::Vector3d variances(a.offset_variance_at_line + map_variance, b.offset_variance_at_line + map_variance,
-                                    0.0);
+    const Eigen::Vector3d variances(a.offset_variance + map_variance, b.offset_variance + map_variance, 0.0);
     return from_errors * variances.asDiagonal() * from_errors.transpose();
   }
 
-  static constexpr int kMaxGapBins = 2;
+  static constexpr int kMaxGapBins = 3;
+  static constexpr int kWindow = 2;         // bins to each side that tell whether a plane reaches the line
+  static constexpr double kMinShare = 0.1;  // of the middle number of points a bin, where a plane is taken to end
 
   const VoxelMap& map_;
   const PlaneSegmentation& planes_;
   const CreaseEdgeOptions& options_;
   double max_cos_;
+  double support_distance_;
 };
 
 }  // namespace

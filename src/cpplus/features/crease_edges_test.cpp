@@ -107,8 +107,8 @@ TEST(CreaseEdges, EndPointsAreThoseOfTheSurfaces) {
     low = std::min({low, line.along(edge.start), line.along(edge.end)});
     high = std::max({high, line.along(edge.start), line.along(edge.end)});
   }
-  EXPECT_NEAR(low, 0.0, 0.12);
-  EXPECT_NEAR(high, 1.5, 0.12);
+  EXPECT_NEAR(low, 0.0, 0.06);
+  EXPECT_NEAR(high, 1.5, 0.06);
 }
 
 TEST(CreaseEdges, CovarianceDescribesTheErrors) {
@@ -165,6 +165,15 @@ TEST(CreaseEdges, ATableTopBeforeAWallDoesNotMeetIt) {
     if (std::abs(x.z()) < 0.05f && x.y() < 1.02f) x.y() += 0.1f;
   }
   EXPECT_FALSE(creases_of(cloud).empty());
+}
+
+TEST(CreaseEdges, PlanesThatCrossMakeNoCorner) {
+  Random random(9);
+  PointCloud cloud;
+  add_surface({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 2500, 0.01, &random, &cloud);
+  add_surface({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2500, 0.01, &random, &cloud);
+  transform(oblique_frame(), &cloud);
+  EXPECT_TRUE(creases_of(cloud).empty());
 }
 
 TEST(CreaseEdges, EmptyMapHasNone) { EXPECT_TRUE(creases_of(PointCloud{}).empty()); }

@@ -121,19 +121,38 @@ class IntensityEdgeFinder {
     for (int k = 0; k < pieces; ++k) {
       const Eigen::Vector2d step = (segment.end - segment.start) / pieces;
       const Eigen::Vector2d start = segment.start + k * step;
-      const auto offset = best_offset(start, start + step, segment.normal);
-      if (!offset) continue;
+      const auto fitted = fit_piece({start, start + step, segment.normal});
+      if (!fitted) continue;
       MapEdge edge;
       edge.kind = MapEdgeKind::kIntensity;
-      edge.start = points_.in_map(start + *offset * segment.normal);
-      edge.end = points_.in_map(start + step + *offset * segment.normal);
+      edge.start = points_.in_map(fitted->start);
+      edge.end = points_.in_map(fitted->end);
       edge.normal_a = points_.normal;
-      edge.inward_a = points_.direction_in_map(segment.normal);
+      edge.inward_a = points_.direction_in_map(fitted->normal);
       edge.covariance = options_.sigma_m * options_.sigma_m * edge.inward_a * edge.inward_a.transpose() +
                         1.6e-5 * points_.normal * points_.normal.transpose();
       edge.group = group;
       edges->push_back(edge);
     }
+  }
+
+  // Turns the piece so that both of its halves lie on the step, then moves all of it there.
+  std::optional<Segment2d> fit_piece(Segment2d piece) const {
+    const Eigen::Vector2d middle = 0.5 * (piece.start + piece.end);
+    const auto first = best_offset(piece.start, middle, piece.normal);
+    const auto second = best_offset(middle, piece.end, piece.normal);
+    if (first && second) {
+      // The halves' middles are half a length apart, the ends a whole one.
+      const Eigen::Vector2d turn = (*second - *first) * piece.normal;
+      piece.start -= turn;
+      piece.end += turn;
+      const Eigen::Vector2d along = (piece.end - piece.start).normalized();
+      const Eigen::Vector2d normal(-along.y(), along.x());
+      piece.normal = normal.dot(piece.normal) > 0 ? normal : Eigen::Vector2d(-normal);
+    }
+    const auto offset = best_offset(piece.start, piece.end, piece.normal);
+    if (!offset) return std::nullopt;
+    return Segment2d{piece.start + *offset * piece.normal, piece.end + *offset * piece.normal, piece.normal};
   }
 
   // The step that explains the raw intensities best: least squares of two levels over all positions of the step.

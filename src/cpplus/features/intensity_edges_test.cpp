@@ -46,9 +46,9 @@ TEST(IntensityEdges, AStepIsFoundWhereItIs) {
     double length = 0.0;
     for (const MapEdge& edge : edges_of(cloud, cloud.intensities)) {
       EXPECT_EQ(edge.kind, MapEdgeKind::kIntensity);
-      EXPECT_NEAR(edge.start.x(), 1.2, 0.025);
-      EXPECT_NEAR(edge.end.x(), 1.2, 0.025);
-      EXPECT_NEAR(0.5 * (edge.start.x() + edge.end.x()), 1.2, 0.008);
+      EXPECT_NEAR(edge.start.x(), 1.2, 0.015);
+      EXPECT_NEAR(edge.end.x(), 1.2, 0.015);
+      EXPECT_NEAR(0.5 * (edge.start.x() + edge.end.x()), 1.2, 0.006);
       EXPECT_GT(edge.inward_a.x(), 0.99);  // towards the brighter side
       length += edge.length();
     }
