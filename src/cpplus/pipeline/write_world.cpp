@@ -114,7 +114,7 @@ void write_checkerboards(const SimulatedWorld& world, const std::string& directo
   constexpr double kColmapOffset = 0.5;
   nlohmann::json boards = nlohmann::json::array();
   for (size_t b = 0; b < world.scene.boards.size(); ++b) {
-    const Checkerboard& board = world.scene.boards[b];
+    const SceneCheckerboard& board = world.scene.boards[b];
     nlohmann::json corners = nlohmann::json::array();
     for (const Eigen::Vector3d& corner : board.corners) corners.push_back(vector_json(corner));
     nlohmann::json images = nlohmann::json::object();

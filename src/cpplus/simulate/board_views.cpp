@@ -13,7 +13,7 @@ bool nothing_before(const Tracer& tracer, const BodyPoses& bodies, const Eigen::
   return hit && hit->range > ray.norm() - 0.01 && hit->normal.dot(ray.cast<float>()) < 0.0f;
 }
 
-double min_spacing(const Checkerboard& board, const std::vector<Eigen::Vector2d>& corners) {
+double min_spacing(const SceneCheckerboard& board, const std::vector<Eigen::Vector2d>& corners) {
   double nearest = std::numeric_limits<double>::max();
   const auto columns = static_cast<size_t>(board.inner_columns);
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -32,7 +32,7 @@ std::vector<BoardView> find_board_views(const Tracer& tracer, const Renderer& re
   const Eigen::Vector3d eye = camera_center(renderer.camera_from_map(shot.stamp_s));
   std::vector<BoardView> views;
   for (size_t b = 0; b < tracer.scene().boards.size(); ++b) {
-    const Checkerboard& board = tracer.scene().boards[b];
+    const SceneCheckerboard& board = tracer.scene().boards[b];
     BoardView view;
     view.board = b;
     view.image = image;

@@ -12,7 +12,7 @@ namespace cpplus {
 struct BoardView {
   size_t board = 0;  // index in Scene::boards
   size_t image = 0;
-  std::vector<Eigen::Vector2d> corners_px;  // in the order of Checkerboard::corners; top-left pixel centre = (0, 0)
+  std::vector<Eigen::Vector2d> corners_px;  // in the order of the board's corners; top-left pixel centre = (0, 0)
   double min_spacing_px = 0.0;              // between neighbouring corners
   double distance_m = 0.0;                  // camera to the middle of the board
 };

@@ -265,7 +265,7 @@ void add_bench(SceneDraft& draft, const Rigid3& frame, double length_m) {
 }
 
 void add_checkerboard(SceneDraft& draft, const Rigid3& frame, double tilt_rad, double hung_m) {
-  Checkerboard board;
+  SceneCheckerboard board;
   board.name = std::string(1, static_cast<char>('A' + draft.scene.boards.size() % 26));
   board.square_m = 0.09;
   const uint32_t squares = draft.material(Pattern::kCheckerboard, {0.8f, 0.8f, 0.8f}, {0.025f, 0.025f, 0.025f},

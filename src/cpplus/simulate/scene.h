@@ -43,7 +43,7 @@ struct MovingBody {
   Rigid3 map_from_body(double time_s) const;
 };
 
-struct Checkerboard {
+struct SceneCheckerboard {
   std::string name;
   int inner_columns = 8;
   int inner_rows = 5;
@@ -75,7 +75,7 @@ struct Scene {
   std::vector<AreaLight> lights;
   Sky sky;
   std::vector<MovingBody> bodies;
-  std::vector<Checkerboard> boards;
+  std::vector<SceneCheckerboard> boards;
   Way way;
   float light_cell_m = 0.06f;  // spacing at which soft light is computed on surfaces
 };

@@ -67,7 +67,7 @@ double view_score(const Tracer& tracer, const WayPoint& place, double height_m) 
         tracer.trace_static(eye.cast<float>(), Vector3d(std::cos(angle), std::sin(angle), 0.0).cast<float>());
     score += std::min(hit ? static_cast<double>(hit->range) : kFarEnough, kFarEnough) / (kFarEnough * kRays);
   }
-  for (const Checkerboard& board : tracer.scene().boards) {
+  for (const SceneCheckerboard& board : tracer.scene().boards) {
     const Vector3d ray = 0.5 * (board.corners.front() + board.corners.back()) - eye;
     const double turn = std::remainder(std::atan2(ray.y(), ray.x()) - place.yaw_rad, 2.0 * M_PI);
     const auto hit = tracer.trace_static(eye.cast<float>(), ray.normalized().cast<float>());

@@ -128,7 +128,7 @@ TEST(SimulateWorld, BoardViewsAreWhereTheMeshIsSeen) {
   ASSERT_FALSE(world.board_views.empty());
   for (const BoardView& view : world.board_views) {
     const SimulatedImage& image = world.images[view.image];
-    const Checkerboard& board = world.scene.boards[view.board];
+    const SceneCheckerboard& board = world.scene.boards[view.board];
     ASSERT_EQ(view.corners_px.size(), board.corners.size());
     const auto first = world.camera.project(image.camera_from_map * board.corners[0]);
     ASSERT_TRUE(first.has_value());

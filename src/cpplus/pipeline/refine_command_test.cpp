@@ -1,0 +1,245 @@
+#include "cpplus/pipeline/refine_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cpplus/core/error.h"
+#include "cpplus/core/parallel.h"
+#include "cpplus/io/colmap_io.h"
+#include "cpplus/io/image_io.h"
+#include "cpplus/pipeline/evaluate_command.h"
+#include "cpplus/pipeline/write_world.h"
+
+namespace cpplus {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::string bytes_of_file(const fs::path& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+/// A small room with six images, one of them spoiled in each way that may happen:
+/// 000001 is not a JPEG, 000002 has another size than its camera, 000003 stands outside the map.
+class RefineCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    world_ = fs::path(testing::TempDir()) / ("refine_command_test_" + std::to_string(getpid()));
+    SimulateOptions options;
+    options.width = 480;
+    options.height = 360;
+    options.images = 6;
+    options.blurred = 0;
+    options.moving = false;
+    options.scans = 8;
+    options.lidar.azimuth_steps = 600;
+    options.lidar.rings = 32;
+    options.render.samples_per_pixel = 2;
+    simulate(options, world_.string());
+
+    std::ofstream(world_ / "images/000001.jpg") << "this is no JPEG";
+    write_png((world_ / "small.png").string(), ColorImage(160, 120));
+    fs::rename(world_ / "small.png", world_ / "images/000002.jpg");
+    SparseModel model = read_sparse_model((world_ / "coarse_medium").string());
+    model.images[3].camera_from_map.translation += Eigen::Vector3d(500, 500, 500);
+    write_sparse_model_text((world_ / "coarse").string(), model);
+    result_ = run("out", 2);
+    report_ = nlohmann::json::parse(std::ifstream(world_ / "out/report.json"));
+  }
+
+  static void TearDownTestSuite() {
+    fs::remove_all(world_);
+    set_num_threads(0);
+  }
+
+  static RefineCommandOptions options_for(const std::string& out) {
+    RefineCommandOptions options;
+    options.map = (world_ / "map.pcd").string();
+    options.images = (world_ / "images").string();
+    options.poses = (world_ / "coarse").string();
+    options.out = (world_ / out).string();
+    return options;
+  }
+
+  static RefineSummary run(const std::string& out, int threads) {
+    set_num_threads(threads);
+    return refine_command(options_for(out));
+  }
+
+  static void expect_a_row_for_every_image();
+  static void expect_good_images_nearer_to_the_truth();
+  static void expect_bad_images_named();
+  static void expect_all_keys_in_the_report();
+
+  static const nlohmann::json& image(size_t i) { return report_["images"][i]; }
+
+  static fs::path world_;
+  static RefineSummary result_;
+  static nlohmann::json report_;
+};
+
+fs::path RefineCommand::world_;
+RefineSummary RefineCommand::result_;
+nlohmann::json RefineCommand::report_;
+
+void RefineCommand::expect_a_row_for_every_image() {
+  const SparseModel coarse = read_sparse_model((world_ / "coarse").string());
+  const SparseModel refined = read_sparse_model((world_ / "out/sparse").string());
+  ASSERT_EQ(refined.images.size(), 6u);
+  ASSERT_EQ(report_["images"].size(), 6u);
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(refined.images[i].name, coarse.images[i].name);
+    EXPECT_EQ(image(i)["name"], coarse.images[i].name);
+    const double change = camera_difference(coarse.images[i].camera_from_map, refined.images[i].camera_from_map).norm();
+    if (image(i)["status"] == "refined") {
+      EXPECT_GT(change, 1e-6) << i;
+      EXPECT_EQ(image(i)["reason"], "") << i;
+    } else {
+      EXPECT_LT(change, 1e-9) << i;
+      EXPECT_NE(image(i)["reason"], "") << i;
+    }
+  }
+  EXPECT_EQ(refined.cameras.at(1).params(), coarse.cameras.at(1).params());
+}
+
+void RefineCommand::expect_good_images_nearer_to_the_truth() {
+  EXPECT_GE(result_.num_refined, 2u);
+  EvaluateOptions options;
+  options.reference = (world_ / "truth/on_map").string();
+  options.depth = (world_ / "truth/depth").string();
+  options.depth_poses = (world_ / "truth").string();
+  options.estimate = (world_ / "coarse").string();
+  const ModelComparison before = evaluate_models(options);
+  options.estimate = (world_ / "out/sparse").string();
+  const ModelComparison after = evaluate_models(options);
+  double sum_before = 0.0;
+  double sum_after = 0.0;
+  for (size_t i : {0, 4, 5}) {
+    if (image(i)["status"] != "refined") continue;
+    sum_before += before.images[i].shift.mean_px;
+    sum_after += after.images[i].shift.mean_px;
+    EXPECT_LT(after.images[i].shift.mean_px, before.images[i].shift.mean_px + 1.0) << i;
+  }
+  EXPECT_LT(sum_after, 0.7 * sum_before);
+}
+
+void RefineCommand::expect_bad_images_named() {
+  EXPECT_EQ(image(1)["status"], "unreadable");
+  EXPECT_THAT(image(1)["reason"].get<std::string>(), HasSubstr("000001.jpg"));
+  EXPECT_EQ(image(2)["status"], "unreadable");
+  EXPECT_THAT(image(2)["reason"].get<std::string>(), HasSubstr("160x120"));
+  EXPECT_EQ(image(3)["status"], "outside_map");
+  EXPECT_EQ(result_.num_images, 6u);
+  EXPECT_EQ(result_.num_unreadable, 2u);
+  EXPECT_EQ(result_.num_outside_map, 1u);
+  EXPECT_EQ(result_.num_refined + result_.num_kept_coarse + result_.num_blurred, 3u);
+}
+
+void RefineCommand::expect_all_keys_in_the_report() {
+  for (const char* key : {"version", "options", "map", "shared", "images"}) EXPECT_TRUE(report_.contains(key)) << key;
+  EXPECT_EQ(report_["options"]["refine.max_iterations"], RefinePoseOptions().max_iterations);
+  for (const nlohmann::json& row : report_["images"]) {
+    for (const char* key :
+         {"name", "status", "reason", "before", "after", "held_out_before", "held_out_after", "map_edges", "samples",
+          "matches", "iterations", "milliseconds", "covariance", "eigenvalues", "weak_directions"}) {
+      EXPECT_TRUE(row.contains(key)) << row["name"] << " " << key;
+    }
+    for (const char* residual : {"before", "after", "held_out_before", "held_out_after"}) {
+      for (const char* key : {"median_px", "rms_px", "inlier_share"}) EXPECT_TRUE(row[residual].contains(key)) << key;
+    }
+    ASSERT_EQ(row["covariance"].size(), 6u);
+    EXPECT_EQ(row["covariance"][5].size(), 6u);
+    EXPECT_EQ(row["eigenvalues"].size(), 6u);
+    EXPECT_TRUE(row["weak_directions"].is_array());
+    EXPECT_TRUE(row["milliseconds"].contains("total"));
+  }
+  for (size_t i : {0, 4, 5}) {
+    EXPECT_GT(image(i)["samples"], 0) << i;
+    EXPECT_GT(image(i)["milliseconds"]["total"], 0.0) << i;
+    EXPECT_GE(image(i)["milliseconds"].size(), 4u) << i;
+  }
+}
+
+// One test, as each test is a process of its own that simulates the world anew.
+TEST_F(RefineCommand, RefinesTheGoodImagesAndNamesTheBadOnes) {
+  expect_a_row_for_every_image();
+  expect_good_images_nearer_to_the_truth();
+  expect_bad_images_named();
+  expect_all_keys_in_the_report();
+}
+
+TEST_F(RefineCommand, OneThreadAndTwoWriteTheSameBytes) {
+  run("one_thread", 1);
+  for (const char* file : {"sparse/images.txt", "sparse/cameras.txt", "sparse/points3D.txt"}) {
+    const std::string bytes = bytes_of_file(world_ / "one_thread" / file);
+    EXPECT_FALSE(bytes.empty()) << file;
+    EXPECT_EQ(bytes, bytes_of_file(world_ / "out" / file)) << file;
+  }
+}
+
+TEST_F(RefineCommand, OnlyRefinedLeavesTheOthersOutAndOverlaysAreWrittenOnlyWhereAskedFor) {
+  EXPECT_FALSE(fs::exists(world_ / "pictures"));
+  RefineCommandOptions options = options_for("only_refined");
+  options.only_refined = true;
+  options.debug_images = (world_ / "pictures").string();
+  const RefineSummary summary = refine_command(options);
+  const SparseModel model = read_sparse_model(options.out + "/sparse");
+  EXPECT_EQ(model.images.size(), summary.num_refined);
+  for (const PosedImage& posed : model.images) {
+    EXPECT_NE(posed.name, "000001.jpg");
+    EXPECT_NE(posed.name, "000003.jpg");
+  }
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(options.out + "/report.json"))["images"].size(), 6u);
+  const ColorImage overlay = read_color_image((world_ / "pictures/000000.jpg.png").string());
+  EXPECT_GE(overlay.height, 360);
+  EXPECT_FALSE(fs::exists(world_ / "pictures/000001.jpg.png"));
+}
+
+TEST_F(RefineCommand, WithoutTheMapOrAnyImageNothingIsWritten) {
+  RefineCommandOptions options = options_for("nothing");
+  options.map = (world_ / "no_such_map.pcd").string();
+  try {
+    refine_command(options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no_such_map.pcd"));
+  }
+  EXPECT_FALSE(fs::exists(options.out));
+
+  SparseModel model = read_sparse_model((world_ / "coarse").string());
+  model.images = {model.images[1]};
+  write_sparse_model_text((world_ / "one_bad").string(), model);
+  options = options_for("nothing");
+  options.poses = (world_ / "one_bad").string();
+  EXPECT_THROW(refine_command(options), Error);
+  EXPECT_FALSE(fs::exists(options.out));
+}
+
+TEST(RefineCommandOptions, WhatMustBeGivenIsNamed) {
+  RefineCommandOptions options;
+  options.map = "map.pcd";
+  options.images = "images";
+  options.poses = "model";
+  try {
+    options.validate();
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("out"));
+  }
+  options.out = "out";
+  EXPECT_NO_THROW(options.validate());
+  options.stages.refine.max_iterations = 0;
+  EXPECT_THROW(options.validate(), Error);
+}
+
+}  // namespace
+}  // namespace cpplus
