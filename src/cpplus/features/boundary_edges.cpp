@@ -23,13 +23,26 @@ constexpr double kStrip = 0.10;  // metres within an edge
 // Half of the correction leaves either kind of map less than 6 mm off (docs/map_edges.md).
 constexpr double kSpacingCorrection = 0.5;
 
+// Neighbours in all eight octants leave less than 90 degrees free: most points of a surface are done with here.
+bool all_octants_taken(const Eigen::Vector2d& x, const std::vector<Eigen::Vector2d>& all,
+                       const std::vector<std::pair<double, uint32_t>>& neighbors, size_t count) {
+  unsigned taken = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const Eigen::Vector2d d = all[neighbors[i].second] - x;
+    taken |= 1u << ((d.x() < 0) + 2 * (d.y() < 0) + 4 * (std::abs(d.x()) < std::abs(d.y())));
+  }
+  return taken == 0xFF;
+}
+
 // Direction out of the surface when the neighbours of a point leave a wide angle free.
 std::optional<Eigen::Vector2d> free_direction(const Eigen::Vector2d& x, const std::vector<Eigen::Vector2d>& all,
                                               std::vector<std::pair<double, uint32_t>>* neighbors,
                                               double min_free_angle) {
   const size_t count = std::min(neighbors->size(), kNeighbors);
   if (count < 6) return std::nullopt;
-  std::partial_sort(neighbors->begin(), neighbors->begin() + static_cast<std::ptrdiff_t>(count), neighbors->end());
+  const auto last = neighbors->begin() + static_cast<std::ptrdiff_t>(count);
+  if (last != neighbors->end()) std::nth_element(neighbors->begin(), last, neighbors->end());
+  if (min_free_angle >= 0.5 * std::numbers::pi && all_octants_taken(x, all, *neighbors, count)) return std::nullopt;
   std::vector<double> angles;
   for (size_t i = 0; i < count; ++i) {
     const Eigen::Vector2d d = all[(*neighbors)[i].second] - x;
