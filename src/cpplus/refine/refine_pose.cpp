@@ -9,7 +9,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "cpplus/core/stopwatch.h"
@@ -47,63 +46,67 @@ class PoseRefiner {
         options_(options),
         min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
     split(samples);
+    for (const std::vector<EdgeSample>& fold : folds_) all_.insert(all_.end(), fold.begin(), fold.end());
   }
 
   RefinePoseResult run() {
     RefinePoseResult result;
     result.camera_from_map = coarse_;
     result.candidate_camera_from_map = coarse_;
-    result.num_samples = static_cast<int>(fitted_.size() + held_out_.size());
-    result.before = residual_of(fitted_, coarse_);
-    result.held_out_before = residual_of(held_out_, coarse_);
-    if (static_cast<int>(fitted_.size()) < options_.min_samples) {
-      return keep(std::move(result), "too few map edges in view");
-    }
+    result.num_samples = static_cast<int>(all_.size());
+    result.before = residual_of(all_, coarse_);
+    result.held_out_before = result.before;  // every edge is held out once
+    if (result.num_samples < options_.min_samples) return keep(std::move(result), "too few map edges in view");
 
     Rigid3 pose = guess_.camera_from_map;
     if (options_.search.enabled) {
       const Stopwatch watch;
-      pose = search_pose(camera_, guess_, edges_, fitted_, field_, options_.search).camera_from_map;
+      pose = search_pose(camera_, guess_, edges_, all_, field_, options_.search).camera_from_map;
       result.search_milliseconds = watch.milliseconds();
     }
     const Stopwatch watch;
-    std::vector<Match> matches;
     for (int round = 0; round < options_.max_iterations; ++round) {
-      matches = match(fitted_, pose, radius_of(round));
+      const std::vector<Match> matches = match(all_, pose, radius_of(round));
       if (static_cast<int>(matches.size()) < options_.min_samples) break;
       pose = minimise(pose, matches, &result.iterations);
     }
-    matches = match(fitted_, pose, options_.last_radius_px);
-    result.num_matches = static_cast<int>(matches.size());
-    result.num_edges = count_edges(matches);
-    result.after = residual_of(fitted_, pose);
-    result.held_out_after = residual_of(held_out_, pose);
-    result.solve_milliseconds = watch.milliseconds();
     result.candidate_camera_from_map = pose;
-    judge(pose, matches, &result);
+    result.after = residual_of(all_, pose);
+    result.held_out_after = cross_validate(pose);
+    judge(pose, &result);
+    result.solve_milliseconds = watch.milliseconds();
     return result;
   }
 
  private:
-  // Whole edges, and all pieces of an edge, are held out together: samples of one edge fit together. Every n-th edge in
-  // the order of their samples, so that both parts have long and short ones.
+  // Whole edges, and all pieces of an edge, go into one fold: samples of one edge fit together. Dealt out in the order of
+  // their samples, so that every fold has long and short ones.
   void split(const std::vector<EdgeSample>& samples) {
     std::map<uint32_t, size_t> samples_of_group;
     for (const EdgeSample& sample : samples) ++samples_of_group[edges_[sample.edge].group];
     std::vector<std::pair<size_t, uint32_t>> groups;
     for (const auto& [group, count] : samples_of_group) groups.emplace_back(count, group);
     std::stable_sort(groups.begin(), groups.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
-    std::set<uint32_t> held_out;
-    const double share = options_.held_out_share;
-    for (size_t i = 0; i < groups.size(); ++i) {
-      const double position = static_cast<double>(i) + 0.5;
-      if (std::floor((position + 0.5) * share + 0.5) > std::floor((position - 0.5) * share + 0.5)) {
-        held_out.insert(groups[i].second);
+    folds_.resize(static_cast<size_t>(options_.folds));
+    std::map<uint32_t, size_t> fold_of_group;
+    for (size_t i = 0; i < groups.size(); ++i) fold_of_group[groups[i].second] = i % folds_.size();
+    for (const EdgeSample& sample : samples) folds_[fold_of_group[edges_[sample.edge].group]].push_back(sample);
+  }
+
+  // Each fold judged by the pose that the other folds give, from the common solution.
+  EdgeResidual cross_validate(const Rigid3& pose) const {
+    std::vector<double> distances;
+    EdgeResidual residual;
+    for (size_t held_out = 0; held_out < folds_.size(); ++held_out) {
+      std::vector<EdgeSample> others;
+      for (size_t fold = 0; fold < folds_.size(); ++fold) {
+        if (fold != held_out) others.insert(others.end(), folds_[fold].begin(), folds_[fold].end());
       }
+      int iterations = 0;
+      const Rigid3 judged = minimise(pose, match(others, pose, options_.first_radius_px), &iterations);
+      measure(folds_[held_out], judged, &distances, &residual);
     }
-    for (const EdgeSample& sample : samples) {
-      (held_out.contains(edges_[sample.edge].group) ? held_out_ : fitted_).push_back(sample);
-    }
+    return summarise(std::move(distances), residual);
   }
 
   double radius_of(int round) const {
@@ -155,8 +158,8 @@ class PoseRefiner {
     problem.AddResidualBlock(make_prior_cost(camera_difference(pose, guess_.camera_from_map), guess_.sigmas), nullptr,
                              delta.data());
     ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_QR;
-    solver.max_num_iterations = 15;
+    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    solver.max_num_iterations = 10;
     solver.logging_type = ceres::SILENT;
     solver.num_threads = 1;
     ceres::Solver::Summary summary;
@@ -166,22 +169,31 @@ class PoseRefiner {
   }
 
   EdgeResidual residual_of(const std::vector<EdgeSample>& samples, const Rigid3& pose) const {
-    EdgeResidual residual;
     std::vector<double> distances;
+    EdgeResidual residual;
+    measure(samples, pose, &distances, &residual);
+    return summarise(std::move(distances), residual);
+  }
+
+  void measure(const std::vector<EdgeSample>& samples, const Rigid3& pose, std::vector<double>* distances,
+               EdgeResidual* residual) const {
     for (const EdgeSample& sample : samples) {
       const auto projected = project_sample(camera_, pose, sample);
       if (!projected) continue;
       const auto edgel = index_.nearest_along(projected->pixel, projected->normal, options_.first_radius_px, min_cos_);
-      residual.num_matches += edgel.has_value();
-      distances.push_back(edgel ? std::abs(index_.edgel(*edgel).normal.cast<double>().dot(
-                                      index_.edgel(*edgel).pixel.cast<double>() - projected->pixel))
-                                : options_.first_radius_px);
+      residual->num_matches += edgel.has_value();
+      distances->push_back(edgel ? std::abs(index_.edgel(*edgel).normal.cast<double>().dot(
+                                       index_.edgel(*edgel).pixel.cast<double>() - projected->pixel))
+                                 : options_.first_radius_px);
     }
-    residual.num_samples = static_cast<int>(distances.size());
-    if (distances.empty()) return residual;
     EdgeLikelihood likelihood(camera_, pose, edges_, samples, field_, static_cast<int>(samples.size()));
     likelihood.set_kernel(options_.search.last_kernel_px);
-    residual.log_ratio = likelihood.log_ratio(Vector6d::Zero());
+    residual->log_ratio += likelihood.log_ratio(Vector6d::Zero());
+  }
+
+  EdgeResidual summarise(std::vector<double> distances, EdgeResidual residual) const {
+    residual.num_samples = static_cast<int>(distances.size());
+    if (distances.empty()) return residual;
     double squares = 0.0;
     int inliers = 0;
     for (const double distance : distances) {
@@ -216,35 +228,8 @@ class PoseRefiner {
     return information;
   }
 
-  void judge(const Rigid3& pose, const std::vector<Match>& matches, RefinePoseResult* result) const {
-    result->information = information_of(matches);
-    const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas);
-    result->covariance = degeneracy.covariance;
-    result->information_eigenvalues = degeneracy.eigenvalues;
-    result->weak_directions = degeneracy.weak_directions;
-    const double edge_gain = held_out_.empty() ? result->after.log_ratio - result->before.log_ratio
-                                               : result->held_out_after.log_ratio - result->held_out_before.log_ratio;
-    const double gain = edge_gain + guess_gain(pose);
-    if (result->num_matches < options_.min_samples || result->num_edges < options_.min_edges) {
-      result->reason = "too few matched edges";
-    } else if (degeneracy.weak_directions.size() >= 4) {
-      result->reason = "the matched edges determine too few directions";
-    } else if (result->after.log_ratio + result->held_out_after.log_ratio < options_.min_log_ratio) {
-      result->reason = "the map's edges do not lie on image edges more than by chance";
-    } else if (gain <= 0.0) {
-      result->reason = "held-out edges do not fit better than before";
-    }
-    if (!result->reason.empty()) return;
-    result->status = RefineStatus::kRefined;
-    result->camera_from_map = finish(pose, result);
-  }
-
-  // Once accepted, the edges that judged may take part: the last round again with all of them.
-  Rigid3 finish(const Rigid3& pose, RefinePoseResult* result) const {
-    std::vector<EdgeSample> all = fitted_;
-    all.insert(all.end(), held_out_.begin(), held_out_.end());
-    const Rigid3 finished = minimise(pose, match(all, pose, options_.last_radius_px), &result->iterations);
-    const std::vector<Match> matches = match(all, finished, options_.last_radius_px);
+  void judge(const Rigid3& pose, RefinePoseResult* result) const {
+    const std::vector<Match> matches = match(all_, pose, options_.last_radius_px);
     result->num_matches = static_cast<int>(matches.size());
     result->num_edges = count_edges(matches);
     result->information = information_of(matches);
@@ -252,8 +237,19 @@ class PoseRefiner {
     result->covariance = degeneracy.covariance;
     result->information_eigenvalues = degeneracy.eigenvalues;
     result->weak_directions = degeneracy.weak_directions;
-    result->candidate_camera_from_map = finished;
-    return finished;
+    const double gain = result->held_out_after.log_ratio - result->held_out_before.log_ratio + guess_gain(pose);
+    if (result->num_matches < options_.min_samples || result->num_edges < options_.min_edges) {
+      result->reason = "too few matched edges";
+    } else if (degeneracy.weak_directions.size() >= 4) {
+      result->reason = "the matched edges determine too few directions";
+    } else if (result->held_out_after.log_ratio < options_.min_log_ratio) {
+      result->reason = "the map's edges do not lie on image edges more than by chance";
+    } else if (gain < options_.min_log_gain) {
+      result->reason = "held-out edges do not fit better than before";
+    }
+    if (!result->reason.empty()) return;
+    result->status = RefineStatus::kRefined;
+    result->camera_from_map = pose;
   }
 
   // A guess that is not the coarse pose comes from other images: evidence on which of two poses is the better one.
@@ -283,8 +279,8 @@ class PoseRefiner {
   const DirectionalDistanceField field_;
   const RefinePoseOptions& options_;
   double min_cos_;
-  std::vector<EdgeSample> fitted_;
-  std::vector<EdgeSample> held_out_;
+  std::vector<std::vector<EdgeSample>> folds_;
+  std::vector<EdgeSample> all_;  // by fold
 };
 
 }  // namespace
@@ -299,7 +295,8 @@ void RefinePoseOptions::validate() const {
   check_option(image_sigma_px > 0, "image_sigma_px", "(0, inf)", image_sigma_px);
   check_option(edge_sigma_px >= 0, "edge_sigma_px", "[0, inf)", edge_sigma_px);
   check_option(loss_scale > 0, "loss_scale", "(0, inf)", loss_scale);
-  check_option(held_out_share >= 0 && held_out_share < 1, "held_out_share", "[0, 1)", held_out_share);
+  check_option(folds >= 2, "folds", "[2, inf)", folds);
+  check_option(min_log_gain >= 0, "min_log_gain", "[0, inf)", min_log_gain);
   check_option(min_edges >= 1, "min_edges", "[1, inf)", min_edges);
   check_option(min_samples >= 1, "min_samples", "[1, inf)", min_samples);
 }

@@ -29,13 +29,15 @@ struct RefinePoseOptions {
   double edge_sigma_px = 0.6;
   /// Scale of the Cauchy loss in standard deviations. (0, inf)
   double loss_scale = 1.5;
-  /// Share of the edges that only judge the result. [0, 1)
-  double held_out_share = 0.2;
+  /// The edges are dealt into so many folds; each is judged by a pose that the others give. [2, inf)
+  int folds = 4;
   /// Fewest matched edges and samples for a result. [1, inf)
   int min_edges = 5;
   int min_samples = 30;
-  /// Least logarithm of the likelihood ratio of all samples, fitted and held out, to edges put at random. (-inf, inf)
+  /// Least logarithm of the likelihood ratio of the held-out samples to edges put at random. (-inf, inf)
   double min_log_ratio = 5.0;
+  /// The same to the coarse pose: what the best of many poses gains by chance. [0, inf)
+  double min_log_gain = 8.0;
 
   void validate() const;
   template <typename Visitor>
@@ -49,10 +51,11 @@ struct RefinePoseOptions {
     visitor("image_sigma_px", image_sigma_px, "Standard deviation of an image edge's position, pixels.");
     visitor("edge_sigma_px", edge_sigma_px, "What all samples of an edge have in common, pixels.");
     visitor("loss_scale", loss_scale, "Scale of the Cauchy loss in standard deviations.");
-    visitor("held_out_share", held_out_share, "Share of the edges that only judge the result.");
+    visitor("folds", folds, "Folds of edges, each judged by a pose that the others give.");
     visitor("min_edges", min_edges, "Fewest matched edges for a result.");
     visitor("min_samples", min_samples, "Fewest matched samples for a result.");
-    visitor("min_log_ratio", min_log_ratio, "Least log likelihood ratio of all samples to edges put at random.");
+    visitor("min_log_ratio", min_log_ratio, "Least log likelihood ratio of held-out edges to edges put at random.");
+    visitor("min_log_gain", min_log_gain, "The same to the coarse pose: more than the best of many gains by chance.");
   }
 };
 
@@ -73,8 +76,8 @@ struct RefinePoseResult {
   std::string reason;                            // why the coarse pose was kept; empty when refined
   Rigid3 camera_from_map;                        // refined, or the coarse one unchanged
   Rigid3 candidate_camera_from_map;              // the best pose found, accepted or not
-  EdgeResidual before, after;                    // samples that were fitted
-  EdgeResidual held_out_before, held_out_after;  // samples that were not
+  EdgeResidual before, after;                    // all samples
+  EdgeResidual held_out_before, held_out_after;  // each sample by a pose that it had no part in
   int num_edges = 0;                             // with at least one match
   int num_samples = 0;
   int num_matches = 0;
