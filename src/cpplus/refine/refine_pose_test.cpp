@@ -270,8 +270,8 @@ TEST(RefinePoseOptions, ValuesOutOfRangeAreNamed) {
   options.search.poses_per_round = 1;
   EXPECT_THAT(message(options), HasSubstr("poses_per_round"));
   options = {};
-  options.held_out_share = 1.0;
-  EXPECT_THAT(message(options), HasSubstr("held_out_share"));
+  options.folds = 1;
+  EXPECT_THAT(message(options), HasSubstr("folds"));
 }
 
 }  // namespace
