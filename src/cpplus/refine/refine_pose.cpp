@@ -79,8 +79,8 @@ class PoseRefiner {
   }
 
  private:
-  // Whole edges, and all pieces of an edge, go into one fold: samples of one edge fit together. Dealt out in the order of
-  // their samples, so that every fold has long and short ones.
+  // Whole edges, and all pieces of an edge, go into one fold: samples of one edge fit together. Dealt out in the order
+  // of their samples, so that every fold has long and short ones.
   void split(const std::vector<EdgeSample>& samples) {
     std::map<uint32_t, size_t> samples_of_group;
     for (const EdgeSample& sample : samples) ++samples_of_group[edges_[sample.edge].group];
