@@ -44,6 +44,7 @@ EdgeLikelihood::EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_m
     s.bin = DirectionalDistanceField::bin_of(projected->normal);
     s.weight =
         static_cast<float>(step) * std::min(1.0f, kIndependentSamples / static_cast<float>(samples[i].edge_samples));
+    s.kind = edges[samples[i].edge].kind;
     samples_.push_back(s);
   }
 }
@@ -66,6 +67,24 @@ double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
   for (const LinearSample& s : samples_) {
     const float value = bump(field_.distance(s.pixel + s.jacobian * d, s.bin), s.inverse_kernel);
     sum += s.weight * std::log(1.0f - kInlierShare + kInlierShare * value / s.background);
+  }
+  return sum;
+}
+
+double EdgeLikelihood::log_ratio_fitted() const {
+  double sum = 0.0;
+  for (const MapEdgeKind kind : {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity}) {
+    double best = 0.0;  // at share 0
+    for (const float share : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f}) {
+      double of_kind = 0.0;
+      for (const LinearSample& s : samples_) {
+        if (s.kind != kind) continue;
+        const float value = bump(field_.distance(s.pixel, s.bin), s.inverse_kernel);
+        of_kind += static_cast<double>(s.weight * std::log(1.0f - share + share * value / s.background));
+      }
+      best = std::max(best, of_kind);
+    }
+    sum += best;
   }
   return sum;
 }

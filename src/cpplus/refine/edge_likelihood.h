@@ -27,6 +27,10 @@ class EdgeLikelihood {
   /// Logarithm of the likelihood ratio at a perturbation (geometry/rigid3.h); 0 = as good as chance.
   double log_ratio(const Vector6d& delta) const;
 
+  /// The same at the pose itself, with the share of edges that the image shows fitted to it for each kind of edge: a kind
+  /// that this map has in vain (intensities that differ from one laser of the LiDAR to the next) then weighs nothing.
+  double log_ratio_fitted() const;
+
   bool empty() const { return samples_.empty(); }
 
  private:
@@ -39,6 +43,7 @@ class EdgeLikelihood {
     float inverse_kernel = 0.0f;
     float background = 1.0f;  // kernel value of a sample put here at random
     int bin = 0;
+    MapEdgeKind kind = MapEdgeKind::kCrease;
   };
 
   const DirectionalDistanceField& field_;

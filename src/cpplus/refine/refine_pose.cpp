@@ -188,7 +188,7 @@ class PoseRefiner {
     }
     EdgeLikelihood likelihood(camera_, pose, edges_, samples, field_, static_cast<int>(samples.size()));
     likelihood.set_kernel(options_.search.last_kernel_px);
-    residual->log_ratio += likelihood.log_ratio(Vector6d::Zero());
+    residual->log_ratio += likelihood.log_ratio_fitted();
   }
 
   EdgeResidual summarise(std::vector<double> distances, EdgeResidual residual) const {

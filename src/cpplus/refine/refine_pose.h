@@ -35,9 +35,9 @@ struct RefinePoseOptions {
   int min_edges = 5;
   int min_samples = 30;
   /// Least logarithm of the likelihood ratio of the held-out samples to edges put at random. (-inf, inf)
-  double min_log_ratio = 5.0;
+  double min_log_ratio = 30.0;
   /// The same to the coarse pose: what the best of many poses gains by chance. [0, inf)
-  double min_log_gain = 8.0;
+  double min_log_gain = 10.0;
 
   void validate() const;
   template <typename Visitor>
