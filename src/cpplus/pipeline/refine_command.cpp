@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "cpplus/core/error.h"
@@ -16,6 +17,8 @@
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/io/stamps_io.h"
+#include "cpplus/io/trajectory_io.h"
+#include "cpplus/pipeline/camera_velocity.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/report/overlay.h"
 
@@ -82,10 +85,16 @@ SparseModel refined_model(const SparseModel& coarse, const std::vector<ImageRepo
 // Refines images of a model, all of them or some once more from a better guess.
 class ModelRefiner {
  public:
-  ModelRefiner(const MapFeatures& features, const SparseModel& model, const RefineCommandOptions& options)
-      : features_(features), model_(model), options_(options), reports_(model.images.size()) {}
+  ModelRefiner(const MapFeatures& features, const SparseModel& model, const RefineCommandOptions& options,
+               const std::map<std::string, double>& stamps, const Trajectory& trajectory)
+      : features_(features),
+        model_(model),
+        options_(options),
+        stamps_(stamps),
+        trajectory_(trajectory),
+        reports_(model.images.size()) {}
 
-  std::vector<ImageReport> run(const std::map<std::string, double>& stamps) {
+  std::vector<ImageReport> run() {
     std::vector<size_t> all(model_.images.size());
     std::iota(all.begin(), all.end(), size_t{0});
     std::vector<PoseGuess> guesses;
@@ -93,8 +102,25 @@ class ModelRefiner {
       guesses.push_back({image.camera_from_map, options_.stages.refine.prior.sigmas()});
     }
     refine("refine", all, guesses);
-    if (options_.joint) refine("refine doubtful", find_doubtful(stamps, &guesses), guesses);
-    return std::move(reports_);
+    if (options_.joint) refine("refine doubtful", find_doubtful(&guesses), guesses);
+    return reports_;
+  }
+
+  /// What the coarse poses of each camera have wrong in common; needs stamps.
+  std::map<uint32_t, SharedErrors> shared_errors() const {
+    std::map<uint32_t, SharedErrors> shared;
+    if (stamps_.empty() || !options_.joint) return shared;
+    for (const auto& [camera, sequence] : sequences()) {
+      const Trajectory way = trajectory_.empty() ? coarse_trajectory(sequence) : trajectory_;
+      std::vector<std::optional<Vector6d>> velocities;
+      for (const auto& [time, i] : sequence) {
+        velocities.push_back(camera_velocity(way, time, model_.images[i].camera_from_map));
+      }
+      const auto errors = estimate_shared_errors(corrections_of(sequence), velocities,
+                                                 options_.stages.refine.prior.sigmas(), options_.stages.sequence);
+      if (errors) shared[camera] = *errors;
+    }
+    return shared;
   }
 
  private:
@@ -114,32 +140,49 @@ class ModelRefiner {
     });
   }
 
+  using ImageSequence = std::vector<std::pair<double, size_t>>;  // time, index of the image
+
   // Each camera of a rig has errors of its own, so each makes a sequence of its own.
-  std::vector<size_t> find_doubtful(const std::map<std::string, double>& stamps,
-                                    std::vector<PoseGuess>* guesses) const {
-    std::map<uint32_t, std::vector<std::pair<double, size_t>>> sequences;
+  std::map<uint32_t, ImageSequence> sequences() const {
+    std::map<uint32_t, ImageSequence> sequences;
     for (size_t i = 0; i < model_.images.size(); ++i) {
-      const auto stamp = stamps.find(model_.images[i].name);
-      if (!stamps.empty() && stamp == stamps.end()) continue;
-      sequences[model_.images[i].camera_id].emplace_back(stamps.empty() ? static_cast<double>(i) : stamp->second, i);
+      const auto stamp = stamps_.find(model_.images[i].name);
+      if (!stamps_.empty() && stamp == stamps_.end()) continue;
+      sequences[model_.images[i].camera_id].emplace_back(stamps_.empty() ? static_cast<double>(i) : stamp->second, i);
     }
+    for (auto& [camera, sequence] : sequences) std::sort(sequence.begin(), sequence.end());
+    return sequences;
+  }
+
+  std::vector<size_t> find_doubtful(std::vector<PoseGuess>* guesses) const {
     std::vector<size_t> doubtful;
-    for (auto& [camera, sequence] : sequences) {
-      std::sort(sequence.begin(), sequence.end());
-      find_doubtful_in(sequence, guesses, &doubtful);
-    }
+    for (const auto& [camera, sequence] : sequences()) find_doubtful_in(sequence, guesses, &doubtful);
     std::sort(doubtful.begin(), doubtful.end());
     return doubtful;
   }
 
-  void find_doubtful_in(const std::vector<std::pair<double, size_t>>& sequence, std::vector<PoseGuess>* guesses,
-                        std::vector<size_t>* doubtful) const {
+  Trajectory coarse_trajectory(const ImageSequence& sequence) const {
+    Trajectory trajectory;
+    for (const auto& [time, i] : sequence) {
+      if (!trajectory.empty() && time <= trajectory.back().stamp_s) continue;
+      trajectory.push_back({time, inverse(model_.images[i].camera_from_map)});
+    }
+    return trajectory;
+  }
+
+  std::vector<PoseCorrection> corrections_of(const ImageSequence& sequence) const {
     std::vector<PoseCorrection> corrections;
     for (const auto& [time, i] : sequence) {
       const RefinePoseResult& r = reports_[i].refine;
       corrections.push_back({time, camera_difference(model_.images[i].camera_from_map, r.camera_from_map),
                              r.information, reports_[i].status == ImageStatus::kRefined});
     }
+    return corrections;
+  }
+
+  void find_doubtful_in(const ImageSequence& sequence, std::vector<PoseGuess>* guesses,
+                        std::vector<size_t>* doubtful) const {
+    const std::vector<PoseCorrection> corrections = corrections_of(sequence);
     const std::vector<PosePrediction> predictions =
         predict_corrections(corrections, options_.stages.refine.prior.sigmas(), options_.stages.sequence);
     for (size_t k = 0; k < predictions.size(); ++k) {
@@ -158,6 +201,8 @@ class ModelRefiner {
   const MapFeatures& features_;
   const SparseModel& model_;
   const RefineCommandOptions& options_;
+  const std::map<std::string, double>& stamps_;
+  const Trajectory& trajectory_;
   std::vector<ImageReport> reports_;
 };
 
@@ -168,6 +213,7 @@ void RefineCommandOptions::validate() const {
        {std::pair<const char*, const std::string&>{"map", map}, {"images", images}, {"poses", poses}, {"out", out}}) {
     if (value.empty()) throw UsageError(fmt::format("option {} must be given", name));
   }
+  if (!trajectory.empty() && stamps.empty()) throw UsageError("option trajectory takes option stamps as well");
   stages.validate();
 }
 
@@ -178,6 +224,7 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   warn_of_unmatched(options.images, model, folder);
   const std::map<std::string, double> stamps =
       options.stamps.empty() ? std::map<std::string, double>{} : read_stamps(options.stamps);
+  const Trajectory trajectory = options.trajectory.empty() ? Trajectory{} : read_tum(options.trajectory);
   MapReport map_report;
   map_report.path = options.map;
   ReadCounts counts;
@@ -189,14 +236,16 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   map_report.num_edges = features.edges.size();
   map_report.noise_m = features.planes.noise_m;
 
-  const std::vector<ImageReport> reports = ModelRefiner(features, model, options).run(stamps);
+  ModelRefiner refiner(features, model, options, stamps, trajectory);
+  const std::vector<ImageReport> reports = refiner.run();
   const RefineSummary summary = summarise(reports);
   if (summary.num_unreadable == summary.num_images) {
     throw Error(fmt::format("{}: none of the model's images can be read", options.images));
   }
   RefineCommandOptions listed = options;
   write_sparse_model_text(options.out + "/sparse", refined_model(model, reports, options.only_refined));
-  write_text_file(options.out + "/report.json", refine_report_json(map_report, reports, list_options(listed)));
+  write_text_file(options.out + "/report.json",
+                  refine_report_json(map_report, refiner.shared_errors(), reports, list_options(listed)));
   return summary;
 }
 

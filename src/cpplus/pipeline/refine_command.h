@@ -20,6 +20,9 @@ struct RefineCommandOptions {
   /// Text file with the instant of each image, "NAME SECONDS" a line; "" = the model's order counts as the order in
   /// time.
   std::string stamps;
+  /// TUM file with poses of the LiDAR (map_from_lidar), whose velocity the time offset is found by; "" = the coarse
+  /// poses do. Takes stamps.
+  std::string trajectory;
   /// Lets the images inform each other: one whose pose is doubtful is looked for again where its neighbours in time
   /// predict it.
   bool joint = true;
@@ -36,6 +39,8 @@ struct RefineCommandOptions {
     visitor("out", out, "Folder for the refined model (sparse/) and report.json.");
     visitor("debug_images", debug_images, "Folder for overlays of the map's edges before and after; empty = none.");
     visitor("stamps", stamps, "File with the instant of each image, NAME SECONDS a line; empty = the model's order.");
+    visitor("trajectory", trajectory,
+            "TUM poses of the LiDAR, for the time offset; empty = the coarse poses. Takes stamps.");
     visitor("joint", joint, "Look for doubtful poses again where their neighbours in time predict them.");
     visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
     stages.visit(visitor);

@@ -64,6 +64,16 @@ Json image_json(const ImageReport& image) {
   return json;
 }
 
+Json shared_json(const SharedErrors& shared) {
+  Json json;
+  json["images"] = shared.num_images;
+  json["time_offset_s"] = number(shared.time_offset_s);
+  json["time_offset_sigma_s"] = number(shared.time_offset_sigma_s);
+  json["extrinsic"] = matrix_json(Eigen::Matrix<double, 1, 6>(shared.extrinsic.transpose()))[0];
+  json["extrinsic_sigmas"] = matrix_json(Eigen::Matrix<double, 1, 6>(shared.extrinsic_sigmas.transpose()))[0];
+  return json;
+}
+
 Json option_json(const OptionField& field) {
   return std::visit([](const auto* value) { return Json(*value); }, field.value);
 }
@@ -86,8 +96,8 @@ std::string status_name(ImageStatus status) {
   return "";
 }
 
-std::string refine_report_json(const MapReport& map, const std::vector<ImageReport>& images,
-                               const std::vector<OptionField>& options) {
+std::string refine_report_json(const MapReport& map, const std::map<uint32_t, SharedErrors>& shared,
+                               const std::vector<ImageReport>& images, const std::vector<OptionField>& options) {
   Json json;
   json["version"] = version();
   json["options"] = Json::object();
@@ -95,6 +105,7 @@ std::string refine_report_json(const MapReport& map, const std::vector<ImageRepo
   json["map"] = {{"path", map.path},         {"points", map.num_points}, {"dropped_points", map.num_dropped_points},
                  {"planes", map.num_planes}, {"edges", map.num_edges},   {"noise_m", number(map.noise_m)}};
   json["shared"] = Json::object();
+  for (const auto& [camera, errors] : shared) json["shared"][std::to_string(camera)] = shared_json(errors);
   json["images"] = Json::array();
   for (const ImageReport& image : images) json["images"].push_back(image_json(image));
   return json.dump(1) + "\n";

@@ -7,6 +7,7 @@
 
 #include "cpplus/core/option_list.h"
 #include "cpplus/refine/refine_pose.h"
+#include "cpplus/refine/shared_errors.h"
 
 namespace cpplus {
 
@@ -36,7 +37,8 @@ struct MapReport {
 };
 
 /// report.json. Numbers that do not exist are null.
-std::string refine_report_json(const MapReport& map, const std::vector<ImageReport>& images,
-                               const std::vector<OptionField>& options);
+/// `shared`: by camera id.
+std::string refine_report_json(const MapReport& map, const std::map<uint32_t, SharedErrors>& shared,
+                               const std::vector<ImageReport>& images, const std::vector<OptionField>& options);
 
 }  // namespace cpplus
