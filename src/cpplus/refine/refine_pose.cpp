@@ -11,7 +11,6 @@
 #include <numbers>
 #include <utility>
 
-#include "cpplus/core/stopwatch.h"
 #include "cpplus/refine/degeneracy.h"
 #include "cpplus/refine/edge_cost.h"
 #include "cpplus/refine/edge_likelihood.h"
@@ -40,7 +39,6 @@ class PoseRefiner {
         coarse_(coarse),
         guess_(guess),
         edges_(edges),
-        image_edges_(image_edges),
         index_(image_edges),
         field_(image_edges, kFieldCellPx, 3.0 * options.search.first_kernel_px),
         options_(options),
@@ -60,11 +58,8 @@ class PoseRefiner {
 
     Rigid3 pose = guess_.camera_from_map;
     if (options_.search.enabled) {
-      const Stopwatch watch;
       pose = search_pose(camera_, guess_, edges_, all_, field_, options_.search).camera_from_map;
-      result.search_milliseconds = watch.milliseconds();
     }
-    const Stopwatch watch;
     for (int round = 0; round < options_.max_iterations; ++round) {
       const std::vector<Match> matches = match(all_, pose, radius_of(round));
       if (static_cast<int>(matches.size()) < options_.min_samples) break;
@@ -74,7 +69,6 @@ class PoseRefiner {
     result.after = residual_of(all_, pose);
     result.held_out_after = cross_validate(pose);
     judge(pose, &result);
-    result.solve_milliseconds = watch.milliseconds();
     return result;
   }
 
@@ -274,7 +268,6 @@ class PoseRefiner {
   const Rigid3 coarse_;
   const PoseGuess guess_;
   const std::vector<MapEdge>& edges_;
-  const ImageEdges& image_edges_;
   const EdgelIndex index_;
   const DirectionalDistanceField field_;
   const RefinePoseOptions& options_;

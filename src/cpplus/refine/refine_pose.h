@@ -82,8 +82,6 @@ struct RefinePoseResult {
   int num_samples = 0;
   int num_matches = 0;
   int iterations = 0;  // of the minimiser, all rounds
-  double search_milliseconds = 0.0;
-  double solve_milliseconds = 0.0;
   /// Of the perturbation in geometry/rigid3.h: rad, rad, rad, m, m, m.
   Matrix6d covariance = Matrix6d::Zero();
   Matrix6d information = Matrix6d::Zero();  // of the data alone, inverse units
