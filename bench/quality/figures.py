@@ -19,6 +19,12 @@ def shifts_by_name(evaluation):
     return {i["name"]: i["mean_shift_px"] for i in evaluation["images"] if i["mean_shift_px"] is not None}
 
 
+def merge(files):
+    """One evaluation or report of several, whose images are told apart by the number of their file."""
+    return {"images": [{**image, "name": f"t{number:02d}/{image['name']}"}
+                       for number, file in enumerate(files) for image in file["images"]]}
+
+
 def summarize(before, after, report):
     """Figures of one run: `before` and `after` are evaluations, `report` is refine's report.json.
 

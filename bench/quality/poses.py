@@ -90,13 +90,6 @@ def write_model(model, images, cameras_from):
             file.write(f"{number} {values} {image.camera_id} {image.name}\n\n")
 
 
-def disturbed_trials(images, num_trials, angle_deg, distance_m, seed):
-    """(disturbed, undisturbed) images of all trials. An image NAME of trial 3 is called t03/NAME in both."""
-    generator = random.Random(seed)
-    disturbed, reference = [], []
-    for trial in range(num_trials):
-        for image in images:
-            name = f"t{trial:02d}/{image.name}"
-            disturbed.append(Image(disturb(image.pose, angle_deg, distance_m, generator), image.camera_id, name))
-            reference.append(Image(image.pose, image.camera_id, name))
-    return disturbed, reference
+def disturbed(images, angle_deg, distance_m, generator):
+    """The images, each disturbed on its own."""
+    return [Image(disturb(image.pose, angle_deg, distance_m, generator), image.camera_id, image.name) for image in images]

@@ -10,6 +10,7 @@ import json
 import os
 import pathlib
 import platform
+import random
 import re
 import shlex
 import subprocess
@@ -58,17 +59,26 @@ class Program:
         return json.loads(out.read_text())
 
 
-def refine_run(program, kind, scene, start_name, out, images, start, reference, refine_options, measure_options):
-    """One row of the table: refine from `start`, then measure start and result against `reference`."""
+def refine_once(program, scene, out, images, start, reference, refine_options, measure_options):
+    """Refines from `start` and measures start and result against `reference`: (evaluation before, evaluation after,
+    report.json, seconds, peak MB)."""
+    seconds, peak_mb = program.run(out / "refine.log", "refine", "--map", scene / "map.pcd", "--images", images,
+                                   "--poses", start, "--out", out, *refine_options)
+    before = program.evaluate(out / "before.json", start, reference, *measure_options)
+    after = program.evaluate(out / "after.json", out / "sparse", reference, *measure_options)
+    return before, after, json.loads((out / "report.json").read_text()), seconds, peak_mb
+
+
+def refine_run(kind, scene, start_name, trials):
+    """One row of the table: the images of all `trials`, functions that return what refine_once() does, together."""
     run = {"scene": scene.name, "start": start_name, "kind": kind, "error": "", "figures": None, "peak_mb": None,
            "seconds": None}
     try:
-        run["seconds"], run["peak_mb"] = program.run(out / "refine.log", "refine", "--map", scene / "map.pcd",
-                                                     "--images", images, "--poses", start, "--out", out,
-                                                     *refine_options)
-        before = program.evaluate(out / "before.json", start, reference, *measure_options)
-        after = program.evaluate(out / "after.json", out / "sparse", reference, *measure_options)
-        run["figures"] = figures.summarize(before, after, json.loads((out / "report.json").read_text()))
+        results = [trial() for trial in trials]
+        before, after, reports = (figures.merge(r[k] for r in results) for k in range(3))
+        run["seconds"] = sum(r[3] for r in results)
+        run["peak_mb"] = max(r[4] for r in results)
+        run["figures"] = figures.summarize(before, after, reports)
     except (RunFailed, OSError, KeyError, ValueError) as error:
         run["error"] = str(error).replace("|", "/")
     return run
@@ -86,27 +96,26 @@ def truth_runs(program, scene, out, settings):
         measure += ["--exclude", scene / "truth" / "blurred.txt"]
     by_size = {"coarse_small": 0, "coarse_medium": 1, "coarse_large": 2}
     for start in sorted(scene.glob("coarse_*"), key=lambda path: (by_size.get(path.name, 3), path.name)):
-        yield refine_run(program, "truth", scene, start.name, out / scene.name / start.name, scene / "images", start,
-                         scene / "truth" / "on_map", options, measure)
+        folder = out / scene.name / start.name
+        yield refine_run("truth", scene, start.name,
+                         [lambda s=start, f=folder: refine_once(program, scene, f, scene / "images", s,
+                                                                scene / "truth" / "on_map", options, measure)])
 
 
 def recorded_runs(program, scene, out, settings):
-    """A recorded scene: all trials are one run on one model, in which trial 3 has its images in a folder t03."""
-    folder = out / scene.name
-    seed = settings.seed + zlib.crc32(scene.name.encode())
-    disturbed, reference = poses.disturbed_trials(poses.read_images(scene / "reference"), settings.trials,
-                                                  settings.angle_deg, settings.distance_m, seed)
-    poses.write_model(folder / "start", disturbed, scene / "reference")
-    poses.write_model(folder / "reference", reference, scene / "reference")
-    images = folder / "images"
-    images.mkdir(parents=True, exist_ok=True)
-    for trial in range(settings.trials):
-        link = images / f"t{trial:02d}"
-        if not link.is_symlink():
-            link.symlink_to((scene / "images").resolve())
-    yield refine_run(program, "recorded", scene, f"{settings.angle_deg:g}°, {100 * settings.distance_m:g} cm", folder,
-                     images, folder / "start", folder / "reference", shlex.split(settings.refine),
-                     ["--map", scene / "map.pcd"])
+    """A recorded scene: each trial is a run of its own, so that images of one trial tell nothing to those of another."""
+    generator = random.Random(settings.seed + zlib.crc32(scene.name.encode()))
+    images = poses.read_images(scene / "reference")
+
+    def trial(number):
+        folder = out / scene.name / f"t{number:02d}"
+        poses.write_model(folder / "start", poses.disturbed(images, settings.angle_deg, settings.distance_m, generator),
+                          scene / "reference")
+        return refine_once(program, scene, folder, scene / "images", folder / "start", scene / "reference",
+                           shlex.split(settings.refine), ["--map", scene / "map.pcd"])
+
+    yield refine_run("recorded", scene, f"{settings.angle_deg:g}°, {100 * settings.distance_m:g} cm",
+                     [lambda n=number: trial(n) for number in range(settings.trials)])
 
 
 def colorize_run(program, scene, model, out):

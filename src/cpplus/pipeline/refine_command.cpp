@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "cpplus/core/error.h"
@@ -18,8 +17,9 @@
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
-#include "cpplus/pipeline/camera_velocity.h"
 #include "cpplus/pipeline/image_folder.h"
+#include "cpplus/pipeline/image_sequences.h"
+#include "cpplus/pipeline/joint_refinement.h"
 #include "cpplus/report/overlay.h"
 
 namespace cpplus {
@@ -82,7 +82,8 @@ SparseModel refined_model(const SparseModel& coarse, const std::vector<ImageRepo
   return model;
 }
 
-// Refines images of a model, all of them or some once more from a better guess.
+// Refines the images of a model: each on its own, the doubtful ones once more where the others expect them, then all
+// together.
 class ModelRefiner {
  public:
   ModelRefiner(const MapFeatures& features, const SparseModel& model, const RefineCommandOptions& options,
@@ -90,49 +91,55 @@ class ModelRefiner {
       : features_(features),
         model_(model),
         options_(options),
-        stamps_(stamps),
-        trajectory_(trajectory),
-        reports_(model.images.size()) {}
+        reports_(model.images.size()),
+        input_{model, {}, {}, {}} {
+    for (const PosedImage& image : model.images) {
+      guesses_.emplace_back(image.camera_from_map, options.stages.refine.prior.sigmas());
+    }
+    input_.sequences = image_sequences(model, stamps);
+    input_.velocities_per_s = image_velocities(model, input_.sequences, !stamps.empty(), trajectory);
+    input_.decode = [this](size_t i) { return decode(i); };
+  }
 
   std::vector<ImageReport> run() {
     std::vector<size_t> all(model_.images.size());
     std::iota(all.begin(), all.end(), size_t{0});
-    std::vector<PoseGuess> guesses;
-    for (const PosedImage& image : model_.images) {
-      guesses.push_back({image.camera_from_map, options_.stages.refine.prior.sigmas()});
+    refine("refine", all);
+    if (options_.joint) {
+      look_again();
+      solve_together();
     }
-    refine("refine", all, guesses);
-    if (options_.joint) refine("refine doubtful", find_doubtful(&guesses), guesses);
     return reports_;
   }
 
-  /// What the coarse poses of each camera have wrong in common; needs stamps.
-  std::map<uint32_t, SharedErrors> shared_errors() const {
-    std::map<uint32_t, SharedErrors> shared;
-    if (stamps_.empty() || !options_.joint) return shared;
-    for (const auto& [camera, sequence] : sequences()) {
-      const Trajectory way = trajectory_.empty() ? coarse_trajectory(sequence) : trajectory_;
-      std::vector<std::optional<Vector6d>> velocities;
-      for (const auto& [time, i] : sequence) {
-        velocities.push_back(camera_velocity(way, time, model_.images[i].camera_from_map));
-      }
-      const auto errors = estimate_shared_errors(corrections_of(sequence), velocities,
-                                                 options_.stages.refine.prior.sigmas(), options_.stages.sequence);
-      if (errors) shared[camera] = *errors;
-    }
-    return shared;
-  }
+  const std::map<uint32_t, SharedErrors>& shared_errors() const { return shared_; }
 
  private:
-  void refine(const std::string& label, const std::vector<size_t>& images, const std::vector<PoseGuess>& guesses) {
+  GrayImage decode(size_t i) const {
+    const PosedImage& image = model_.images[i];
+    return decode_for(image_path(options_.images, image.name), model_.cameras.at(image.camera_id));
+  }
+
+  // Looks for doubtful images where the others expect them; what an image found before stays if its edges say so.
+  void look_again() {
+    const std::vector<ImageReport> before = reports_;
+    refine("refine doubtful", find_doubtful());
+    for (size_t i = 0; i < reports_.size(); ++i) {
+      if (before[i].status != ImageStatus::kRefined) continue;
+      const bool found = reports_[i].status == ImageStatus::kRefined;
+      if (found && reports_[i].refine.held_out_after.log_ratio >= before[i].refine.held_out_after.log_ratio) continue;
+      reports_[i] = before[i];
+    }
+  }
+
+  void refine(const std::string& label, const std::vector<size_t>& images) {
     Progress progress(label, images.size());
     parallel_for_each(images.size(), [&](size_t k) {
       const size_t i = images[k];
       const PosedImage& image = model_.images[i];
       const Camera& camera = model_.cameras.at(image.camera_id);
-      const std::string path = image_path(options_.images, image.name);
       const RefinedImage refined = refine_image(
-          features_, image.name, camera, image.camera_from_map, guesses[i], [&] { return decode_for(path, camera); },
+          features_, image.name, camera, image.camera_from_map, guesses_[i], [&] { return decode(i); },
           options_.stages);
       write_overlay(options_, camera, image.camera_from_map, refined);
       reports_[i] = refined.report;
@@ -140,70 +147,44 @@ class ModelRefiner {
     });
   }
 
-  using ImageSequence = std::vector<std::pair<double, size_t>>;  // time, index of the image
-
-  // Each camera of a rig has errors of its own, so each makes a sequence of its own.
-  std::map<uint32_t, ImageSequence> sequences() const {
-    std::map<uint32_t, ImageSequence> sequences;
-    for (size_t i = 0; i < model_.images.size(); ++i) {
-      const auto stamp = stamps_.find(model_.images[i].name);
-      if (!stamps_.empty() && stamp == stamps_.end()) continue;
-      sequences[model_.images[i].camera_id].emplace_back(stamps_.empty() ? static_cast<double>(i) : stamp->second, i);
-    }
-    for (auto& [camera, sequence] : sequences) std::sort(sequence.begin(), sequence.end());
-    return sequences;
-  }
-
-  std::vector<size_t> find_doubtful(std::vector<PoseGuess>* guesses) const {
+  // Images that found no pose, or another one than the others expect; sets their guesses to where these expect them.
+  std::vector<size_t> find_doubtful() {
+    const JointResult predicted = predict_poses(input_, reports_, options_.stages);
     std::vector<size_t> doubtful;
-    for (const auto& [camera, sequence] : sequences()) find_doubtful_in(sequence, guesses, &doubtful);
+    for (const auto& [camera, sequence] : input_.sequences) {
+      for (const auto& [time, i] : sequence) {
+        const bool refined = reports_[i].status == ImageStatus::kRefined;
+        if (!refined && reports_[i].status != ImageStatus::kKeptCoarse) continue;
+        const PoseGuess& expected = predicted.poses[i].from_others;
+        if (refined && expected.squared_distance(reports_[i].camera_from_map) < kMaxSquaredDistance) continue;
+        guesses_[i] = expected;
+        doubtful.push_back(i);
+      }
+    }
     std::sort(doubtful.begin(), doubtful.end());
     return doubtful;
   }
 
-  Trajectory coarse_trajectory(const ImageSequence& sequence) const {
-    Trajectory trajectory;
-    for (const auto& [time, i] : sequence) {
-      if (!trajectory.empty() && time <= trajectory.back().stamp_s) continue;
-      trajectory.push_back({time, inverse(model_.images[i].camera_from_map)});
+  void solve_together() {
+    std::vector<Rigid3> start;
+    for (size_t i = 0; i < model_.images.size(); ++i) {
+      const bool refined = reports_[i].status == ImageStatus::kRefined;
+      start.push_back(refined ? reports_[i].camera_from_map : guesses_[i].camera_from_map);
     }
-    return trajectory;
+    shared_ = refine_jointly(features_, input_, start, options_.stages, &reports_).shared;
   }
 
-  std::vector<PoseCorrection> corrections_of(const ImageSequence& sequence) const {
-    std::vector<PoseCorrection> corrections;
-    for (const auto& [time, i] : sequence) {
-      const RefinePoseResult& r = reports_[i].refine;
-      corrections.push_back({time, camera_difference(model_.images[i].camera_from_map, r.camera_from_map),
-                             r.information, reports_[i].status == ImageStatus::kRefined});
-    }
-    return corrections;
-  }
-
-  void find_doubtful_in(const ImageSequence& sequence, std::vector<PoseGuess>* guesses,
-                        std::vector<size_t>* doubtful) const {
-    const std::vector<PoseCorrection> corrections = corrections_of(sequence);
-    const std::vector<PosePrediction> predictions =
-        predict_corrections(corrections, options_.stages.refine.prior.sigmas(), options_.stages.sequence);
-    for (size_t k = 0; k < predictions.size(); ++k) {
-      const size_t i = sequence[k].second;
-      const bool contradicts = corrections[k].usable && predictions[k].consistency > kMaxConsistency;
-      if (!contradicts && reports_[i].status != ImageStatus::kKeptCoarse) continue;
-      (*guesses)[i] = {perturb_camera(model_.images[i].camera_from_map, predictions[k].mean), predictions[k].sigmas};
-      doubtful->push_back(i);
-    }
-  }
-
-  // Squared distance from its neighbours' prediction above which a pose is looked at again: 95 % of a chi-squared
-  // variable with six degrees of freedom.
-  static constexpr double kMaxConsistency = 12.6;
+  // From where the others expect an image, above which it is looked at again: 95 % of a chi-squared variable with six
+  // degrees of freedom.
+  static constexpr double kMaxSquaredDistance = 12.6;
 
   const MapFeatures& features_;
   const SparseModel& model_;
   const RefineCommandOptions& options_;
-  const std::map<std::string, double>& stamps_;
-  const Trajectory& trajectory_;
   std::vector<ImageReport> reports_;
+  JointRefinementInput input_;
+  std::vector<PoseGuess> guesses_;
+  std::map<uint32_t, SharedErrors> shared_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "cpplus/pipeline/refine_images.h"
 
+#include <algorithm>
 #include <set>
 
 #include "cpplus/core/error.h"
@@ -7,6 +8,11 @@
 
 namespace cpplus {
 namespace {
+
+// How far from their place as seen from a nearly right pose the image edges of a sample are kept.
+constexpr double kCandidateRadiusPx = 40.0;
+// Points of the seen surface along the longer side of the image.
+constexpr int kSurfacePoints = 16;
 
 size_t count_edges(const std::vector<EdgeSample>& samples) {
   std::set<uint32_t> edges;
@@ -29,6 +35,22 @@ PlaneBuffer nothing_hidden(const MapFeatures& features, const Camera& camera, co
   return buffer;
 }
 
+std::vector<Eigen::Vector3d> seen_surface(const PlaneBuffer& planes) {
+  std::vector<Eigen::Vector3d> points;
+  const double step = static_cast<double>(std::max(planes.camera.width(), planes.camera.height())) / kSurfacePoints;
+  const Rigid3 map_from_camera = inverse(planes.camera_from_map);
+  for (double y = 0.5 * step; y < planes.camera.height(); y += step) {
+    for (double x = 0.5 * step; x < planes.camera.width(); x += step) {
+      const Eigen::Vector2d pixel(x, y);
+      const int32_t id = planes.plane_at(pixel);
+      if (id == PlaneBuffer::kNone) continue;
+      const double range = planes.range_of((*planes.planes)[static_cast<size_t>(id)], pixel);
+      if (range > 0) points.push_back(map_from_camera * Eigen::Vector3d(range * *planes.camera.unproject(pixel)));
+    }
+  }
+  return points;
+}
+
 }  // namespace
 
 void RefineImagesOptions::validate() const {
@@ -40,7 +62,8 @@ void RefineImagesOptions::validate() const {
   blur.validate();
   image_edges.validate();
   refine.validate();
-  sequence.validate();
+  patches.validate();
+  joint_solve.validate();
 }
 
 MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options) {
@@ -100,6 +123,21 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
   lap("refine");
   const bool refined = report.refine.status == RefineStatus::kRefined;
   return finish(refined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse, report.refine.reason);
+}
+
+JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
+                             const GrayImage& image, const RefineImagesOptions& options) {
+  const PlaneBuffer planes =
+      render_plane_buffer(features.map, features.planes, features.surface, camera, camera_from_map, options.visibility);
+  const std::vector<EdgeSample> samples =
+      sample_visible_edges(features.edges, camera, camera_from_map, planes, options.samples);
+  JointView view;
+  view.edges =
+      EdgeEvidence(camera, camera_from_map, features.edges, samples, detect_image_edges(image, options.image_edges),
+                   kCandidateRadiusPx, options.refine.max_angle_deg);
+  view.patches = prepare_patch_view(image, planes, options.patches);
+  view.surface_in_map = seen_surface(planes);
+  return view;
 }
 
 }  // namespace cpplus

@@ -8,8 +8,10 @@
 #include "cpplus/features/blur.h"
 #include "cpplus/features/image_edges.h"
 #include "cpplus/features/map_edges.h"
+#include "cpplus/features/patch_matching.h"
 #include "cpplus/features/plane_segmentation.h"
-#include "cpplus/refine/pose_sequence.h"
+#include "cpplus/refine/joint_solver.h"
+#include "cpplus/refine/joint_verdict.h"
 #include "cpplus/refine/refine_pose.h"
 #include "cpplus/report/refine_report.h"
 #include "cpplus/visibility/plane_buffer_renderer.h"
@@ -28,7 +30,8 @@ struct RefineImagesOptions {
   BlurOptions blur;
   ImageEdgeOptions image_edges;
   RefinePoseOptions refine;
-  PoseSequenceOptions sequence;
+  PatchMatchingOptions patches;
+  JointOptions joint_solve;
 
   void validate() const;
   template <typename Visitor>
@@ -42,7 +45,8 @@ struct RefineImagesOptions {
     visitor.group("blur", blur);
     visitor.group("image_edges", image_edges);
     visitor.group("refine", refine);
-    visitor.group("sequence", sequence);
+    visitor.group("patches", patches);
+    visitor.group("joint_solve", joint_solve);
   }
 };
 
@@ -67,5 +71,15 @@ struct RefinedImage {
 RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
                           const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
                           const std::function<GrayImage()>& decode, const RefineImagesOptions& options);
+
+/// What the joint solve needs of one image, seen from a pose that is nearly right.
+struct JointView {
+  EdgeEvidence edges;
+  PatchView patches;
+  std::vector<Eigen::Vector3d> surface_in_map;  // points of the map that the image sees, evenly over it
+};
+
+JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
+                             const GrayImage& image, const RefineImagesOptions& options);
 
 }  // namespace cpplus

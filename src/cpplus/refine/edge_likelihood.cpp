@@ -72,15 +72,34 @@ double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
 }
 
 double EdgeLikelihood::log_ratio_fitted() const {
+  std::vector<SampleLikelihood> samples;
+  for (const LinearSample& s : samples_) {
+    samples.push_back({s.kind, s.weight, bump(field_.distance(s.pixel, s.bin), s.inverse_kernel) / s.background});
+  }
+  return fitted_log_ratio(samples);
+}
+
+SampleLikelihood sample_likelihood(MapEdgeKind kind, int edge_samples, double width_px,
+                                   const std::function<double(double offset_px)>& distance) {
+  const float inverse_width = 1.0f / static_cast<float>(width_px);
+  float sum = 0.0f;
+  for (int k = -kBackgroundSteps; k <= kBackgroundSteps; ++k) {
+    const float offset = static_cast<float>(k) * kBackgroundReachPx / kBackgroundSteps;
+    sum += bump(static_cast<float>(distance(offset)), inverse_width);
+  }
+  const float background = std::max(kMinBackground, sum / (2 * kBackgroundSteps + 1));
+  return {kind, std::min(1.0f, kIndependentSamples / static_cast<float>(edge_samples)),
+          bump(static_cast<float>(distance(0.0)), inverse_width) / background};
+}
+
+double fitted_log_ratio(const std::vector<SampleLikelihood>& samples) {
   double sum = 0.0;
   for (const MapEdgeKind kind : {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity}) {
     double best = 0.0;  // at share 0
     for (const float share : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f}) {
       double of_kind = 0.0;
-      for (const LinearSample& s : samples_) {
-        if (s.kind != kind) continue;
-        const float value = bump(field_.distance(s.pixel, s.bin), s.inverse_kernel);
-        of_kind += static_cast<double>(s.weight * std::log(1.0f - share + share * value / s.background));
+      for (const SampleLikelihood& s : samples) {
+        if (s.kind == kind) of_kind += static_cast<double>(s.weight * std::log(1.0f - share + share * s.ratio));
       }
       best = std::max(best, of_kind);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "cpplus/cloud/map_edge.h"
@@ -9,6 +10,21 @@
 #include "cpplus/refine/edgel_index.h"
 
 namespace cpplus {
+
+/// One sample's part in the likelihood ratio of EdgeLikelihood.
+struct SampleLikelihood {
+  MapEdgeKind kind = MapEdgeKind::kCrease;
+  float weight = 1.0f;  // samples of one edge agree with each other: together they count as a few
+  float ratio = 0.0f;   // kernel at the sample over the mean of the kernel around it
+};
+
+/// `distance(offset)` is the distance, in pixels, to the nearest image edge from a place `offset` pixels across the
+/// edge from the sample; `width_px` is the kernel's standard deviation.
+SampleLikelihood sample_likelihood(MapEdgeKind kind, int edge_samples, double width_px,
+                                   const std::function<double(double offset_px)>& distance);
+
+/// Sum of log(1 - a + a ratio) with the share a of edges that the image shows fitted for each kind of edge.
+double fitted_log_ratio(const std::vector<SampleLikelihood>& samples);
 
 /// How much better the edges of the map explain the image from a pose than edges put at random would: the sum over the
 /// samples of log(1 - a + a k(d) / b), where d is the distance to the nearest image edge of the sample's direction, k a
@@ -27,8 +43,9 @@ class EdgeLikelihood {
   /// Logarithm of the likelihood ratio at a perturbation (geometry/rigid3.h); 0 = as good as chance.
   double log_ratio(const Vector6d& delta) const;
 
-  /// The same at the pose itself, with the share of edges that the image shows fitted to it for each kind of edge: a kind
-  /// that this map has in vain (intensities that differ from one laser of the LiDAR to the next) then weighs nothing.
+  /// The same at the pose itself, with the share of edges that the image shows fitted to it for each kind of edge: a
+  /// kind that this map has in vain (intensities that differ from one laser of the LiDAR to the next) then weighs
+  /// nothing.
   double log_ratio_fitted() const;
 
   bool empty() const { return samples_.empty(); }

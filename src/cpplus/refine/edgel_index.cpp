@@ -54,6 +54,16 @@ EdgelIndex::EdgelIndex(const ImageEdges& edges)
   }
 }
 
+int32_t EdgelIndex::agreeing_edgel(const Eigen::Vector2d& p, const Eigen::Vector2d& normal, double min_cos) const {
+  const int x = static_cast<int>(std::lround(p.x()));
+  const int y = static_cast<int>(std::lround(p.y()));
+  if (x < 0 || y < 0 || x >= edges_.width || y >= edges_.height) return -1;
+  const int32_t index = edgel_at_[static_cast<size_t>(y) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x)];
+  if (index < 0) return -1;
+  const bool agrees = std::abs(edgel(static_cast<uint32_t>(index)).normal.cast<double>().dot(normal)) >= min_cos;
+  return agrees ? index : -1;
+}
+
 std::optional<uint32_t> EdgelIndex::nearest_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
                                                   double radius_px, double min_cos) const {
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
@@ -64,15 +74,9 @@ std::optional<uint32_t> EdgelIndex::nearest_along(const Eigen::Vector2d& pixel, 
   for (int step = 0; step <= steps && step - 1.0 <= best_distance; ++step) {
     for (int sign = step == 0 ? 1 : -1; sign <= 1; sign += 2) {
       for (int side = -1; side <= 1; ++side) {
-        const Eigen::Vector2d p = pixel + sign * step * normal + side * tangent;
-        const int x = static_cast<int>(std::lround(p.x()));
-        const int y = static_cast<int>(std::lround(p.y()));
-        if (x < 0 || y < 0 || x >= edges_.width || y >= edges_.height) continue;
-        const int32_t index =
-            edgel_at_[static_cast<size_t>(y) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x)];
+        const int32_t index = agreeing_edgel(pixel + sign * step * normal + side * tangent, normal, min_cos);
         if (index < 0) continue;
-        const ImageEdgel& candidate = edges_.edgels[static_cast<size_t>(index)];
-        if (std::abs(candidate.normal.cast<double>().dot(normal)) < min_cos) continue;
+        const ImageEdgel& candidate = edgel(static_cast<uint32_t>(index));
         const double distance = std::abs(normal.dot(candidate.pixel.cast<double>() - pixel));
         if (distance < best_distance) {
           best_distance = distance;
@@ -82,6 +86,24 @@ std::optional<uint32_t> EdgelIndex::nearest_along(const Eigen::Vector2d& pixel, 
     }
   }
   return best;
+}
+
+void EdgelIndex::all_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px,
+                           double min_cos, std::vector<uint32_t>* found) const {
+  const Eigen::Vector2d tangent(-normal.y(), normal.x());
+  const int steps = static_cast<int>(std::ceil(radius_px));
+  found->clear();
+  for (int step = -steps; step <= steps; ++step) {
+    for (int side = -1; side <= 1; ++side) {
+      const int32_t index = agreeing_edgel(pixel + step * normal + side * tangent, normal, min_cos);
+      if (index < 0) continue;
+      // Neighbouring steps may round to the same pixel.
+      const auto recent = found->end() - std::min<std::ptrdiff_t>(6, std::distance(found->begin(), found->end()));
+      if (std::find(recent, found->end(), static_cast<uint32_t>(index)) != found->end()) continue;
+      if (std::abs(normal.dot(edgel(static_cast<uint32_t>(index)).pixel.cast<double>() - pixel)) > radius_px) continue;
+      found->push_back(static_cast<uint32_t>(index));
+    }
+  }
 }
 
 int DirectionalDistanceField::bin_of(const Eigen::Vector2d& normal) {

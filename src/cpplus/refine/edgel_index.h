@@ -20,9 +20,16 @@ class EdgelIndex {
   std::optional<uint32_t> nearest_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px,
                                         double min_cos) const;
 
+  /// All such edgels within radius_px of the pixel, each once, in the order in which they are come upon.
+  void all_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px, double min_cos,
+                 std::vector<uint32_t>* found) const;
+
   const ImageEdgel& edgel(uint32_t index) const { return edges_.edgels[index]; }
 
  private:
+  // Index of the edgel at the pixel nearest to p, if its normal agrees; -1 otherwise.
+  int32_t agreeing_edgel(const Eigen::Vector2d& p, const Eigen::Vector2d& normal, double min_cos) const;
+
   const ImageEdges& edges_;
   std::vector<int32_t> edgel_at_;  // per pixel; -1 = none
 };

@@ -11,13 +11,9 @@ namespace cpplus {
 namespace {
 
 struct Hypothesis {
-  Vector6d delta = Vector6d::Zero();
+  Vector6d x = Vector6d::Zero();  // in standard deviations of the guess
   double score = 0.0;
 };
-
-double prior_penalty(const Vector6d& delta, const Vector6d& sigmas) {
-  return 0.5 * delta.cwiseQuotient(sigmas).squaredNorm();
-}
 
 }  // namespace
 
@@ -48,11 +44,12 @@ PoseSearchResult search_pose(const Camera& camera, const PoseGuess& guess, const
   PoseSearchResult result;
   result.camera_from_map = guess.camera_from_map;
   if (likelihood.empty()) return result;
-  const Vector6d& sigmas = guess.sigmas;
+  // Perturbations in standard deviations of the guess, so that directions in which it is sure are not searched.
+  const Matrix6d root = guess.root();
   Random random(options.seed);
   const auto draw = [&](double scale) {
     Vector6d step;
-    for (int i = 0; i < 6; ++i) step(i) = scale * sigmas(i) * random.normal();
+    for (int i = 0; i < 6; ++i) step(i) = scale * random.normal();
     return step;
   };
 
@@ -62,25 +59,23 @@ PoseSearchResult search_pose(const Camera& camera, const PoseGuess& guess, const
   double spread = 1.0;
   for (int round = 0; round < options.rounds; ++round) {
     const double progress = options.rounds > 1 ? static_cast<double>(round) / (options.rounds - 1) : 1.0;
-    const double kernel_px =
-        options.first_kernel_px * std::pow(options.last_kernel_px / options.first_kernel_px, progress);
-    likelihood.set_kernel(kernel_px);
+    likelihood.set_kernel(options.first_kernel_px *
+                          std::pow(options.last_kernel_px / options.first_kernel_px, progress));
     std::vector<Hypothesis> poses = elites;
     while (poses.size() < count) {
       const Hypothesis& parent = elites[random.below(elites.size())];
-      poses.push_back({parent.delta + draw(spread), 0.0});
+      poses.push_back({parent.x + draw(spread), 0.0});
     }
-    for (Hypothesis& pose : poses) {
-      pose.score = likelihood.log_ratio(pose.delta) - prior_penalty(pose.delta, sigmas);
-    }
+    for (Hypothesis& pose : poses) pose.score = likelihood.log_ratio(root * pose.x) - 0.5 * pose.x.squaredNorm();
     std::stable_sort(poses.begin(), poses.end(),
                      [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
     elites.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(std::min(num_elites, poses.size())));
     spread *= round == 0 ? 0.4 : 0.6;
   }
+  const Vector6d best = root * elites.front().x;
   result.start_score = likelihood.log_ratio(Vector6d::Zero());
-  result.best_score = likelihood.log_ratio(elites.front().delta);
-  result.camera_from_map = perturb_camera(guess.camera_from_map, elites.front().delta);
+  result.best_score = likelihood.log_ratio(best);
+  result.camera_from_map = perturb_camera(guess.camera_from_map, best);
   return result;
 }
 

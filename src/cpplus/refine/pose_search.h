@@ -8,6 +8,7 @@
 #include "cpplus/geometry/rigid3.h"
 #include "cpplus/refine/edge_samples.h"
 #include "cpplus/refine/edgel_index.h"
+#include "cpplus/refine/pose_guess.h"
 
 namespace cpplus {
 
@@ -52,12 +53,6 @@ struct PosePrior {
   }
   /// Per component of the perturbation: rad, rad, rad, m, m, m.
   Vector6d sigmas() const;
-};
-
-/// What is known of a pose before its image is looked at: a Gaussian around `camera_from_map`.
-struct PoseGuess {
-  Rigid3 camera_from_map;
-  Vector6d sigmas = Vector6d::Ones();  // rad, rad, rad, m, m, m, in the camera frame
 };
 
 struct PoseSearchResult {

@@ -10,10 +10,11 @@
 namespace cpplus {
 
 struct ProjectedSample {
-  Eigen::Vector2d pixel;
-  Eigen::Vector2d normal;                       // unit, across the projected edge
-  Eigen::Matrix<double, 2, 6> d_pixel_d_delta;  // perturbation as in geometry/rigid3.h
-  Eigen::Matrix<double, 2, 3> d_pixel_d_point;  // per metre, map frame
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // across the projected edge
+  /// By the perturbation in geometry/rigid3.h.
+  Eigen::Matrix<double, 2, 6> d_pixel_d_delta = Eigen::Matrix<double, 2, 6>::Zero();
+  Eigen::Matrix<double, 2, 3> d_pixel_d_point = Eigen::Matrix<double, 2, 3>::Zero();  // per metre, map frame
 };
 
 /// Projects an edge sample (Eq. 3 of Cui & Schwertfeger 2022) with its derivatives. Nothing where the camera model does

@@ -1,9 +1,5 @@
 #include "cpplus/refine/refine_pose.h"
 
-#include <ceres/loss_function.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -12,24 +8,18 @@
 #include <utility>
 
 #include "cpplus/refine/degeneracy.h"
-#include "cpplus/refine/edge_cost.h"
 #include "cpplus/refine/edge_likelihood.h"
+#include "cpplus/refine/edge_match.h"
 #include "cpplus/refine/edgel_index.h"
+#include "cpplus/refine/match_weight.h"
+#include "cpplus/refine/pose_solver.h"
 #include "cpplus/refine/projected_sample.h"
 
 namespace cpplus {
 namespace {
 
 constexpr int kFieldCellPx = 4;
-
-struct Match {
-  const EdgeSample* sample;
-  Eigen::Vector2d pixel;
-  Eigen::Vector2d normal;
-  double sigma_px;  // of this residual alone
-  double weight;    // < 1: its share of what its edge can know
-  ProjectedSample projected;
-};
+constexpr int kMaxSolverIterations = 10;
 
 class PoseRefiner {
  public:
@@ -61,7 +51,7 @@ class PoseRefiner {
       pose = search_pose(camera_, guess_, edges_, all_, field_, options_.search).camera_from_map;
     }
     for (int round = 0; round < options_.max_iterations; ++round) {
-      const std::vector<Match> matches = match(all_, pose, radius_of(round));
+      const std::vector<EdgeMatch> matches = match(all_, pose, radius_of(round));
       if (static_cast<int>(matches.size()) < options_.min_samples) break;
       pose = minimise(pose, matches, &result.iterations);
     }
@@ -109,8 +99,8 @@ class PoseRefiner {
     return options_.first_radius_px * std::pow(options_.last_radius_px / options_.first_radius_px, progress);
   }
 
-  std::vector<Match> match(const std::vector<EdgeSample>& samples, const Rigid3& pose, double radius_px) const {
-    std::vector<Match> matches;
+  std::vector<EdgeMatch> match(const std::vector<EdgeSample>& samples, const Rigid3& pose, double radius_px) const {
+    std::vector<EdgeMatch> matches;
     for (const EdgeSample& sample : samples) {
       const auto projected = project_sample(camera_, pose, sample);
       if (!projected) continue;
@@ -118,48 +108,23 @@ class PoseRefiner {
       if (!edgel) continue;
       // Across the projected edge: an edgel's own normal is 2 degrees noisy, which would pass for evidence along
       // the edge where all edges are parallel.
-      Match m{&sample, index_.edgel(*edgel).pixel.cast<double>(), projected->normal, 0, 0, *projected};
-      weigh(&m);
+      EdgeMatch m;
+      m.x_in_map = sample.x_in_map;
+      m.edge = sample.edge;
+      m.pixel = index_.edgel(*edgel).pixel.cast<double>();
+      m.normal = projected->normal;
+      m.projected = *projected;
+      weigh_match(edges_[sample.edge].covariance, static_cast<int>(sample.edge_samples), options_.image_sigma_px,
+                  options_.edge_sigma_px, &m);
       matches.push_back(m);
     }
     return matches;
   }
 
-  // Noise models of the LiDAR (through the edge's covariance) and of the camera (Yuan et al. 2021, section IV). What
-  // the samples of an edge have in common does not average out over them: with m samples of variance s^2 and a common
-  // variance c^2, all together know the edge to s^2/m + c^2, which a variance of s^2 + m c^2 a sample reproduces.
-  void weigh(Match* m) const {
-    const Eigen::RowVector3d d_residual_d_point = m->normal.transpose() * m->projected.d_pixel_d_point;
-    const double map_variance =
-        (d_residual_d_point * edges_[m->sample->edge].covariance * d_residual_d_point.transpose()).value();
-    const double own = options_.image_sigma_px * options_.image_sigma_px;
-    const double common = map_variance + options_.edge_sigma_px * options_.edge_sigma_px;
-    m->sigma_px = std::sqrt(own + common);
-    m->weight = (own + common) / (own + m->sample->edge_samples * common);
-  }
-
-  Rigid3 minimise(const Rigid3& pose, const std::vector<Match>& matches, int* iterations) const {
-    ceres::Problem::Options ownership;
-    ownership.loss_function_ownership = ceres::TAKE_OWNERSHIP;
-    ceres::Problem problem(ownership);
-    Vector6d delta = Vector6d::Zero();
-    problem.AddParameterBlock(delta.data(), 6);
-    for (const Match& m : matches) {
-      auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(options_.loss_scale), m.weight, ceres::TAKE_OWNERSHIP);
-      problem.AddResidualBlock(make_edge_cost(camera_, pose, m.sample->x_in_map, m.pixel, m.normal, m.sigma_px), loss,
-                               delta.data());
-    }
-    problem.AddResidualBlock(make_prior_cost(camera_difference(pose, guess_.camera_from_map), guess_.sigmas), nullptr,
-                             delta.data());
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    solver.max_num_iterations = 10;
-    solver.logging_type = ceres::SILENT;
-    solver.num_threads = 1;
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
-    *iterations += static_cast<int>(summary.iterations.size());
-    return summary.IsSolutionUsable() ? perturb_camera(pose, delta) : pose;
+  Rigid3 minimise(const Rigid3& pose, const std::vector<EdgeMatch>& matches, int* iterations) const {
+    const PoseSolution solution = solve_pose(camera_, pose, matches, guess_, options_.loss_scale, kMaxSolverIterations);
+    *iterations += solution.iterations;
+    return solution.camera_from_map;
   }
 
   EdgeResidual residual_of(const std::vector<EdgeSample>& samples, const Rigid3& pose) const {
@@ -202,32 +167,12 @@ class PoseRefiner {
     return residual;
   }
 
-  static int count_edges(const std::vector<Match>& matches) {
-    int count = 0;
-    for (size_t i = 0; i < matches.size(); ++i) {
-      count += i == 0 || matches[i].sample->edge != matches[i - 1].sample->edge;
-    }
-    return count;
-  }
-
-  Matrix6d information_of(const std::vector<Match>& matches) const {
-    Matrix6d information = Matrix6d::Zero();
-    for (const Match& m : matches) {
-      const double residual = m.normal.dot(m.projected.pixel - m.pixel) / m.sigma_px;
-      // Weight that the robust loss leaves to a residual of this size.
-      const double robust = 1.0 / (1.0 + residual * residual / (options_.loss_scale * options_.loss_scale));
-      const Eigen::Matrix<double, 1, 6> jacobian = m.normal.transpose() * m.projected.d_pixel_d_delta / m.sigma_px;
-      information += robust * m.weight * jacobian.transpose() * jacobian;
-    }
-    return information;
-  }
-
   void judge(const Rigid3& pose, RefinePoseResult* result) const {
-    const std::vector<Match> matches = match(all_, pose, options_.last_radius_px);
+    const std::vector<EdgeMatch> matches = match(all_, pose, options_.last_radius_px);
     result->num_matches = static_cast<int>(matches.size());
     result->num_edges = count_edges(matches);
-    result->information = information_of(matches);
-    const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas);
+    result->information = edge_information(matches, options_.loss_scale);
+    const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas());
     result->covariance = degeneracy.covariance;
     result->information_eigenvalues = degeneracy.eigenvalues;
     result->weak_directions = degeneracy.weak_directions;
@@ -248,15 +193,11 @@ class PoseRefiner {
 
   // A guess that is not the coarse pose comes from other images: evidence on which of two poses is the better one.
   double guess_gain(const Rigid3& pose) const {
-    const double to_coarse = squared_distance_from_guess(coarse_);
+    const double to_coarse = guess_.squared_distance(coarse_);
     if (to_coarse < 1e-12) return 0.0;
     constexpr double kDegrees = 4.0;  // Student's t: neighbours may be wrong
     return 0.5 * (kDegrees + 6.0) *
-           (std::log1p(to_coarse / kDegrees) - std::log1p(squared_distance_from_guess(pose) / kDegrees));
-  }
-
-  double squared_distance_from_guess(const Rigid3& pose) const {
-    return camera_difference(guess_.camera_from_map, pose).cwiseQuotient(guess_.sigmas).squaredNorm();
+           (std::log1p(to_coarse / kDegrees) - std::log1p(guess_.squared_distance(pose) / kDegrees));
   }
 
   static RefinePoseResult keep(RefinePoseResult result, const char* reason) {
@@ -290,6 +231,7 @@ void RefinePoseOptions::validate() const {
   check_option(loss_scale > 0, "loss_scale", "(0, inf)", loss_scale);
   check_option(folds >= 2, "folds", "[2, inf)", folds);
   check_option(min_log_gain >= 0, "min_log_gain", "[0, inf)", min_log_gain);
+  check_option(max_predicted_shift_px > 0, "max_predicted_shift_px", "(0, inf)", max_predicted_shift_px);
   check_option(min_edges >= 1, "min_edges", "[1, inf)", min_edges);
   check_option(min_samples >= 1, "min_samples", "[1, inf)", min_samples);
 }

@@ -38,6 +38,9 @@ struct RefinePoseOptions {
   double min_log_ratio = 30.0;
   /// The same to the coarse pose: what the best of many poses gains by chance. [0, inf)
   double min_log_gain = 10.0;
+  /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
+  /// covariance, to be off by no more than this, pixels. True errors are about two times that. (0, inf)
+  double max_predicted_shift_px = 1.5;
 
   void validate() const;
   template <typename Visitor>
@@ -56,6 +59,8 @@ struct RefinePoseOptions {
     visitor("min_samples", min_samples, "Fewest matched samples for a result.");
     visitor("min_log_ratio", min_log_ratio, "Least log likelihood ratio of held-out edges to edges put at random.");
     visitor("min_log_gain", min_log_gain, "The same to the coarse pose: more than the best of many gains by chance.");
+    visitor("max_predicted_shift_px", max_predicted_shift_px,
+            "Poses solved together are believed when expected to be off by no more than this, pixels.");
   }
 };
 
@@ -89,6 +94,8 @@ struct RefinePoseResult {
   /// the prior knows a direction better than the edges.
   Vector6d information_eigenvalues = Vector6d::Zero();
   std::vector<std::string> weak_directions;
+  /// By how many pixels the surface that the image sees is expected to be off, by the covariance.
+  double predicted_shift_px = 0.0;
 };
 
 /// Aligns one image with the map's edges: minimises, along the image edges' normals, the distance between projected

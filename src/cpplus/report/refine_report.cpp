@@ -61,6 +61,7 @@ Json image_json(const ImageReport& image) {
   json["covariance"] = matrix_json(r.covariance);
   json["eigenvalues"] = matrix_json(Eigen::Matrix<double, 1, 6>(r.information_eigenvalues.transpose()))[0];
   json["weak_directions"] = r.weak_directions;
+  json["predicted_shift_px"] = number(r.predicted_shift_px);
   return json;
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cpplus/core/option_list.h"
+#include "cpplus/refine/joint_solver.h"
 #include "cpplus/refine/refine_pose.h"
-#include "cpplus/refine/shared_errors.h"
 
 namespace cpplus {
 

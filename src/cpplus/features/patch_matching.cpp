@@ -1,0 +1,338 @@
+#include "cpplus/features/patch_matching.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+namespace cpplus {
+namespace {
+
+constexpr int kNumLevels = 3;
+constexpr double kOcclusionMargin = 0.05;  // metres
+// A patch that is seen more than so many times larger, smaller or slanted from the other view is not comparable.
+constexpr double kMaxStretch = 2.5;
+
+Image<float> as_float(const GrayImage& image) {
+  Image<float> result(image.width, image.height);
+  std::copy(image.pixels.begin(), image.pixels.end(), result.pixels.begin());
+  return result;
+}
+
+// Means of 2x2 pixels: pixel x of the half is at 2 x + 0.5 of the whole.
+Image<float> halve(const Image<float>& image) {
+  Image<float> half(image.width / 2, image.height / 2);
+  for (int y = 0; y < half.height; ++y) {
+    for (int x = 0; x < half.width; ++x) {
+      half.at(x, y) = 0.25f * (image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) +
+                               image.at(2 * x + 1, 2 * y + 1));
+    }
+  }
+  return half;
+}
+
+Eigen::Vector2d to_level(const Eigen::Vector2d& pixel, int level) {
+  const double scale = std::ldexp(1.0, -level);
+  return ((pixel.array() + 0.5) * scale - 0.5).matrix();
+}
+
+Eigen::Vector2d from_level(const Eigen::Vector2d& pixel, int level) {
+  const double scale = std::ldexp(1.0, level);
+  return ((pixel.array() + 0.5) * scale - 0.5).matrix();
+}
+
+// Bilinear; false where the four pixels are not all in the image.
+bool interpolate(const Image<float>& image, double x, double y, float* value) {
+  if (!(x >= 0.0 && y >= 0.0 && x < image.width - 1 && y < image.height - 1)) return false;
+  const int ix = static_cast<int>(x);
+  const int iy = static_cast<int>(y);
+  const float fx = static_cast<float>(x - ix);
+  const float fy = static_cast<float>(y - iy);
+  const float* row = &image.at(ix, iy);
+  const float* next = row + image.width;
+  *value = (1.0f - fy) * (row[0] + fx * (row[1] - row[0])) + fy * (next[0] + fx * (next[1] - next[0]));
+  return true;
+}
+
+// Zero mean, unit norm; false for a patch without contrast.
+bool normalise(std::vector<float>* values) {
+  float sum = 0.0f;
+  for (const float v : *values) sum += v;
+  const float mean = sum / static_cast<float>(values->size());
+  float squares = 0.0f;
+  for (float& v : *values) {
+    v -= mean;
+    squares += v * v;
+  }
+  constexpr float kMinContrast = 2.0f;  // grey levels, RMS
+  if (squares < kMinContrast * kMinContrast * static_cast<float>(values->size())) return false;
+  const float inverse = 1.0f / std::sqrt(squares);
+  for (float& v : *values) v *= inverse;
+  return true;
+}
+
+std::optional<Eigen::Vector3d> on_plane(const PlaneBuffer& view, const MapPlane& plane, const Eigen::Vector2d& pixel) {
+  const double range = view.range_of(plane, pixel);
+  if (!std::isfinite(range)) return std::nullopt;
+  return inverse(view.camera_from_map) * Eigen::Vector3d(range * *view.camera.unproject(pixel));
+}
+
+// How the plane carries pixels of view a around one of them to pixels of view b.
+struct Transfer {
+  Eigen::Vector2d pixel_b;
+  Eigen::Matrix2d a_from_b;  // of offsets
+};
+
+std::optional<Transfer> transfer(const PlaneBuffer& a, const PlaneBuffer& b, const PatchView::Patch& patch) {
+  const MapPlane& plane = (*a.planes)[static_cast<size_t>(patch.plane)];
+  const auto carry = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+    const auto x = on_plane(a, plane, pixel);
+    return x ? b.camera.project(b.camera_from_map * *x) : std::nullopt;
+  };
+  constexpr double kStep = 2.0;
+  const auto center = carry(patch.pixel);
+  const auto right = carry(patch.pixel + kStep * Eigen::Vector2d::UnitX());
+  const auto below = carry(patch.pixel + kStep * Eigen::Vector2d::UnitY());
+  if (!center || !right || !below || !b.camera.in_image(*center)) return std::nullopt;
+  const auto x = on_plane(a, plane, patch.pixel);
+  if (!x || !b.is_visible(*x, *center, kOcclusionMargin)) return std::nullopt;
+  // Both cameras on the same side of the plane.
+  if (plane.signed_distance(camera_center(a.camera_from_map)) *
+          plane.signed_distance(camera_center(b.camera_from_map)) <=
+      0) {
+    return std::nullopt;
+  }
+  Eigen::Matrix2d b_from_a;
+  b_from_a << (*right - *center) / kStep, (*below - *center) / kStep;
+  const Eigen::Vector2d stretch = b_from_a.jacobiSvd().singularValues();
+  if (stretch(0) > kMaxStretch || stretch(1) < 1.0 / kMaxStretch) return std::nullopt;
+  return Transfer{*center, b_from_a.inverse()};
+}
+
+class Matcher {
+ public:
+  Matcher(const PatchView& a, const PatchView& b, const PatchMatchingOptions& options)
+      : a_(a), b_(b), options_(options), edge_(2 * options.radius_px + 1) {}
+
+  std::optional<SurfaceMatch> match(const PatchView::Patch& patch) {
+    const auto carried = transfer(a_.planes, b_.planes, patch);
+    if (!carried) return std::nullopt;
+    Eigen::Vector2d pixel = carried->pixel_b;
+    for (int level = kNumLevels - 1; level >= 0; --level) {
+      if (!make_template(patch.pixel, carried->a_from_b, level)) return std::nullopt;
+      const bool first = level == kNumLevels - 1;
+      const int reach =
+          first ? std::max(1, static_cast<int>(std::ceil(std::ldexp(options_.search_radius_px, -level)))) : 2;
+      if (!search(level, reach, first, &pixel)) return std::nullopt;
+    }
+    if (!settle(patch.pixel, carried->a_from_b, &pixel)) return std::nullopt;
+    SurfaceMatch m;
+    m.pixel_a = patch.pixel;
+    m.pixel_b = pixel;
+    m.plane = patch.plane;
+    const MapPlane& plane = (*a_.planes.planes)[static_cast<size_t>(patch.plane)];
+    m.point_in_map = plane.centroid;
+    m.normal_in_map = plane.normal;
+    m.correlation = correlation_;
+    return m;
+  }
+
+ private:
+  // The patch as view b should see it.
+  bool make_template(const Eigen::Vector2d& pixel_a, const Eigen::Matrix2d& a_from_b, int level) {
+    const Image<float>& image = a_.pyramid[static_cast<size_t>(level)];
+    const Eigen::Vector2d center = to_level(pixel_a, level);
+    template_.clear();
+    for (int y = -options_.radius_px; y <= options_.radius_px; ++y) {
+      for (int x = -options_.radius_px; x <= options_.radius_px; ++x) {
+        const Eigen::Vector2d p = center + a_from_b * Eigen::Vector2d(x, y);
+        float value = 0.0f;
+        if (!interpolate(image, p.x(), p.y(), &value)) return false;
+        template_.push_back(value);
+      }
+    }
+    return normalise(&template_);
+  }
+
+  // Correlation of the template with the patch of b around a whole pixel; -1 outside.
+  float correlate(const Image<float>& image, int cx, int cy) const {
+    const int r = options_.radius_px;
+    if (cx < r || cy < r || cx + r >= image.width || cy + r >= image.height) return -1.0f;
+    float product = 0.0f, sum = 0.0f, squares = 0.0f;
+    const float* t = template_.data();
+    for (int y = cy - r; y <= cy + r; ++y, t += edge_) {
+      const float* row = &image.at(cx - r, y);
+      for (int x = 0; x < edge_; ++x) {
+        product += t[x] * row[x];
+        sum += row[x];
+        squares += row[x] * row[x];
+      }
+    }
+    const float variance = squares - sum * sum / static_cast<float>(edge_ * edge_);
+    return variance < 1.0f ? -1.0f : product / std::sqrt(variance);
+  }
+
+  bool search(int level, int reach, bool must_be_distinct, Eigen::Vector2d* pixel) {
+    const Image<float>& image = b_.pyramid[static_cast<size_t>(level)];
+    const Eigen::Vector2d center = to_level(*pixel, level);
+    const int cx = static_cast<int>(std::lround(center.x()));
+    const int cy = static_cast<int>(std::lround(center.y()));
+    const int edge = 2 * reach + 1;
+    scores_.assign(static_cast<size_t>(edge) * static_cast<size_t>(edge), -1.0f);
+    for (int y = 0; y < edge; ++y) {
+      for (int x = 0; x < edge; ++x) {
+        scores_[static_cast<size_t>(y * edge + x)] = correlate(image, cx + x - reach, cy + y - reach);
+      }
+    }
+    const auto best = std::max_element(scores_.begin(), scores_.end());
+    constexpr float kMinCoarseCorrelation = 0.6f;
+    if (*best < kMinCoarseCorrelation) return false;
+    const int at = static_cast<int>(best - scores_.begin());
+    const int bx = at % edge;
+    const int by = at / edge;
+    if (must_be_distinct && !is_distinct(edge, bx, by, *best)) return false;
+    *pixel = from_level(Eigen::Vector2d(cx + bx - reach, cy + by - reach), level);
+    return true;
+  }
+
+  bool is_distinct(int edge, int bx, int by, float best) const {
+    constexpr int kPeakWidth = 2;
+    for (int y = 0; y < edge; ++y) {
+      for (int x = 0; x < edge; ++x) {
+        if (std::abs(x - bx) <= kPeakWidth && std::abs(y - by) <= kPeakWidth) continue;
+        if (scores_[static_cast<size_t>(y * edge + x)] > best - static_cast<float>(options_.min_distinction))
+          return false;
+      }
+    }
+    return true;
+  }
+
+  // Gauss-Newton on the difference of the normalised patches, as a shift in b.
+  bool settle(const Eigen::Vector2d& pixel_a, const Eigen::Matrix2d& a_from_b, Eigen::Vector2d* pixel) {
+    if (!make_template(pixel_a, a_from_b, 0)) return false;
+    const Image<float>& image = b_.pyramid.front();
+    const int r = options_.radius_px;
+    const Eigen::Vector2d start = *pixel;
+    std::vector<float> values, slope_x, slope_y;
+    for (int iteration = 0; iteration < 8; ++iteration) {
+      values.clear();
+      slope_x.clear();
+      slope_y.clear();
+      for (int y = -r; y <= r; ++y) {
+        for (int x = -r; x <= r; ++x) {
+          float v = 0, left = 0, right = 0, above = 0, below = 0;
+          const double px = pixel->x() + x, py = pixel->y() + y;
+          if (!interpolate(image, px, py, &v) || !interpolate(image, px - 1, py, &left) ||
+              !interpolate(image, px + 1, py, &right) || !interpolate(image, px, py - 1, &above) ||
+              !interpolate(image, px, py + 1, &below)) {
+            return false;
+          }
+          values.push_back(v);
+          slope_x.push_back(0.5f * (right - left));
+          slope_y.push_back(0.5f * (below - above));
+        }
+      }
+      const Eigen::Vector2d step = shift_of(&values, slope_x, slope_y);
+      if (!step.allFinite()) return false;
+      *pixel += step;
+      if ((*pixel - start).norm() > 2.0) return false;
+      if (step.norm() < 0.01) return correlation_ >= options_.min_correlation;
+    }
+    return false;
+  }
+
+  // Least squares of  template - normalised values  in the shift; sets correlation_ of the values as they are.
+  Eigen::Vector2d shift_of(std::vector<float>* values, const std::vector<float>& slope_x,
+                           const std::vector<float>& slope_y) {
+    std::vector<float> normalised = *values;
+    if (!normalise(&normalised)) return Eigen::Vector2d::Constant(NAN);
+    float norm = 0.0f, mean = 0.0f;
+    for (const float v : *values) mean += v;
+    mean /= static_cast<float>(values->size());
+    for (const float v : *values) norm += (v - mean) * (v - mean);
+    const double inverse_norm = 1.0 / std::sqrt(norm);
+    Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d g = Eigen::Vector2d::Zero();
+    correlation_ = 0.0;
+    for (size_t i = 0; i < normalised.size(); ++i) {
+      const Eigen::Vector2d slope(slope_x[i] * inverse_norm, slope_y[i] * inverse_norm);
+      h += slope * slope.transpose();
+      g += slope * (template_[i] - normalised[i]);
+      correlation_ += static_cast<double>(template_[i]) * normalised[i];
+    }
+    return h.inverse() * g;
+  }
+
+  const PatchView& a_;
+  const PatchView& b_;
+  const PatchMatchingOptions& options_;
+  const int edge_;
+  std::vector<float> template_;
+  std::vector<float> scores_;
+  double correlation_ = 0.0;
+};
+
+// The plane under a whole patch; kNone where there are several.
+int32_t plane_under(const PlaneBuffer& planes, const Eigen::Vector2d& pixel, double radius_px) {
+  const int32_t id = planes.plane_at(pixel);
+  if (id == PlaneBuffer::kNone) return id;
+  for (double y = -radius_px; y <= radius_px; y += planes.cell_px) {
+    for (double x = -radius_px; x <= radius_px; x += planes.cell_px) {
+      if (planes.plane_at(pixel + Eigen::Vector2d(x, y)) != id) return PlaneBuffer::kNone;
+    }
+  }
+  return id;
+}
+
+}  // namespace
+
+void PatchMatchingOptions::validate() const {
+  check_option(max_patches >= 1, "max_patches", "[1, inf)", max_patches);
+  check_option(min_distance_px > 0, "min_distance_px", "(0, inf)", min_distance_px);
+  check_option(radius_px >= 2, "radius_px", "[2, inf)", radius_px);
+  check_option(search_radius_px > 0, "search_radius_px", "(0, inf)", search_radius_px);
+  check_option(min_correlation > 0 && min_correlation < 1, "min_correlation", "(0, 1)", min_correlation);
+  check_option(min_distinction >= 0 && min_distinction < 1, "min_distinction", "[0, 1)", min_distinction);
+}
+
+PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, const PatchMatchingOptions& options) {
+  PatchView view;
+  view.planes = planes;
+  view.pyramid.push_back(as_float(image));
+  for (int level = 1; level < kNumLevels; ++level) view.pyramid.push_back(halve(view.pyramid.back()));
+
+  // Corners at half the size: cheaper, and what only the finest level shows would not be found from the coarsest.
+  const Image<float>& half = view.pyramid[1];
+  const cv::Mat gray(half.height, half.width, CV_32F, const_cast<float*>(half.pixels.data()));
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(gray, corners, 4 * options.max_patches, 0.005, 0.5 * options.min_distance_px, {}, 5);
+  for (const cv::Point2f& corner : corners) {
+    const Eigen::Vector2d pixel = from_level({corner.x, corner.y}, 1);
+    const int32_t plane = plane_under(planes, pixel, 2.0 * options.radius_px);
+    if (plane == PlaneBuffer::kNone) continue;
+    view.patches.push_back({pixel, plane});
+    if (static_cast<int>(view.patches.size()) >= options.max_patches) break;
+  }
+  return view;
+}
+
+double patch_overlap(const PatchView& a, const PlaneBuffer& b) {
+  if (a.patches.empty()) return 0.0;
+  const auto seen = std::count_if(a.patches.begin(), a.patches.end(), [&](const PatchView::Patch& patch) {
+    return transfer(a.planes, b, patch).has_value();
+  });
+  return static_cast<double>(seen) / static_cast<double>(a.patches.size());
+}
+
+std::vector<SurfaceMatch> match_patches(const PatchView& a, const PatchView& b, const PatchMatchingOptions& options) {
+  Matcher matcher(a, b, options);
+  std::vector<SurfaceMatch> matches;
+  for (const PatchView::Patch& patch : a.patches) {
+    if (const auto m = matcher.match(patch)) matches.push_back(*m);
+  }
+  return matches;
+}
+
+}  // namespace cpplus

@@ -1,0 +1,174 @@
+#include "cpplus/pipeline/joint_refinement.h"
+
+#include <algorithm>
+
+#include "cpplus/core/parallel.h"
+#include "cpplus/core/progress.h"
+#include "cpplus/core/stopwatch.h"
+
+namespace cpplus {
+namespace {
+
+// Images that are looked at as partners of an image, and how many of them at most become partners.
+constexpr size_t kNearestImages = 12;
+constexpr size_t kMaxPartners = 4;
+// Least share of an image's patches that a partner should see.
+constexpr double kMinOverlap = 0.15;
+
+bool takes_part(const ImageReport& report) {
+  return report.status == ImageStatus::kRefined || report.status == ImageStatus::kKeptCoarse;
+}
+
+JointProblem make_problem(const JointRefinementInput& input) {
+  JointProblem problem;
+  problem.sequences = input.sequences;
+  for (size_t i = 0; i < input.model.images.size(); ++i) {
+    const PosedImage& image = input.model.images[i];
+    JointImage joint;
+    joint.camera = &input.model.cameras.at(image.camera_id);
+    joint.camera_id = image.camera_id;
+    joint.coarse_camera_from_map = image.camera_from_map;
+    joint.camera_from_map = image.camera_from_map;
+    joint.velocity_per_s = input.velocities_per_s[i];
+    problem.images.push_back(joint);
+  }
+  return problem;
+}
+
+class JointRefiner {
+ public:
+  JointRefiner(const MapFeatures& features, const JointRefinementInput& input, const std::vector<Rigid3>& start,
+               const RefineImagesOptions& options, std::vector<ImageReport>* reports)
+      : features_(features),
+        input_(input),
+        start_(start),
+        options_(options),
+        reports_(*reports),
+        views_(input.model.images.size()) {
+    for (const auto& [camera, sequence] : input.sequences) {
+      for (const auto& [time, i] : sequence) {
+        if (takes_part(reports_[i])) participants_.push_back(i);
+      }
+    }
+    std::sort(participants_.begin(), participants_.end());
+  }
+
+  JointResult run() {
+    prepare_views();
+    JointProblem problem = make_problem(input_);
+    for (const size_t i : participants_) {
+      problem.images[i].camera_from_map = start_[i];
+      problem.images[i].edges = &views_[i].edges;
+    }
+    problem.matches = match_surfaces();
+    const RefinePoseOptions& refine = options_.refine;
+    const JointEdgeOptions edges{refine.first_radius_px,
+                                 refine.last_radius_px,
+                                 refine.loss_scale,
+                                 {refine.image_sigma_px, refine.edge_sigma_px}};
+    JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
+    judge(result);
+    return result;
+  }
+
+ private:
+  const Camera& camera_of(size_t i) const { return input_.model.cameras.at(input_.model.images[i].camera_id); }
+
+  void prepare_views() {
+    Progress progress("prepare joint solve", participants_.size());
+    parallel_for_each(participants_.size(), [&](size_t k) {
+      const size_t i = participants_[k];
+      Stopwatch watch;
+      views_[i] = prepare_joint_view(features_, camera_of(i), start_[i], input_.decode(i), options_);
+      reports_[i].milliseconds.emplace_back("joint_view", watch.lap());
+      progress.advance();
+    });
+  }
+
+  std::vector<SurfaceMatch> match_surfaces() {
+    std::vector<std::vector<SurfaceMatch>> matches(participants_.size());
+    Progress progress("match surfaces", participants_.size());
+    parallel_for_each(participants_.size(), [&](size_t k) {
+      const size_t i = participants_[k];
+      Stopwatch watch;
+      for (const size_t j : partners(i)) {
+        for (SurfaceMatch m : match_patches(views_[i].patches, views_[j].patches, options_.patches)) {
+          m.image_a = static_cast<uint32_t>(i);
+          m.image_b = static_cast<uint32_t>(j);
+          matches[k].push_back(m);
+        }
+      }
+      reports_[i].milliseconds.emplace_back("match_surfaces", watch.lap());
+      progress.advance();
+    });
+    std::vector<SurfaceMatch> all;
+    for (const std::vector<SurfaceMatch>& some : matches) all.insert(all.end(), some.begin(), some.end());
+    return all;
+  }
+
+  // Of the nearest images those that see most of this one's patches.
+  std::vector<size_t> partners(size_t i) const {
+    std::vector<std::pair<double, size_t>> near;
+    const Eigen::Vector3d center = camera_center(start_[i]);
+    for (const size_t j : participants_) {
+      if (j != i) near.emplace_back((camera_center(start_[j]) - center).norm(), j);
+    }
+    const size_t count = std::min(kNearestImages, near.size());
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+    std::vector<std::pair<double, size_t>> by_overlap;
+    for (size_t k = 0; k < count; ++k) {
+      const double overlap = patch_overlap(views_[i].patches, views_[near[k].second].patches.planes);
+      if (overlap >= kMinOverlap) by_overlap.emplace_back(-overlap, near[k].second);
+    }
+    std::sort(by_overlap.begin(), by_overlap.end());
+    std::vector<size_t> result;
+    for (size_t k = 0; k < std::min(kMaxPartners, by_overlap.size()); ++k) result.push_back(by_overlap[k].second);
+    return result;
+  }
+
+  void judge(const JointResult& result) {
+    parallel_for_each(participants_.size(), [&](size_t k) {
+      const size_t i = participants_[k];
+      const RefinePoseResult alone = reports_[i].refine;
+      RefinePoseResult together = judge_joint_pose(
+          camera_of(i),
+          {input_.model.images[i].camera_from_map, result.poses[i], &views_[i].edges, views_[i].surface_in_map},
+          alone.held_out_before, options_.refine);
+      together.before = alone.before;
+      together.iterations = alone.iterations;
+      ImageReport& report = reports_[i];
+      report.refine = together;
+      report.camera_from_map = together.camera_from_map;
+      report.status = together.status == RefineStatus::kRefined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse;
+      report.reason = together.reason;
+    });
+  }
+
+  const MapFeatures& features_;
+  const JointRefinementInput& input_;
+  const std::vector<Rigid3>& start_;
+  const RefineImagesOptions& options_;
+  std::vector<ImageReport>& reports_;
+  std::vector<size_t> participants_;
+  std::vector<JointView> views_;
+};
+
+}  // namespace
+
+JointResult predict_poses(const JointRefinementInput& input, const std::vector<ImageReport>& reports,
+                          const RefineImagesOptions& options) {
+  JointProblem problem = make_problem(input);
+  for (size_t i = 0; i < reports.size(); ++i) {
+    if (reports[i].status != ImageStatus::kRefined) continue;
+    problem.images[i].observed = PoseObservation{reports[i].camera_from_map, reports[i].refine.information};
+  }
+  return solve_joint(problem, options.refine.prior.sigmas(), {}, options.joint_solve);
+}
+
+JointResult refine_jointly(const MapFeatures& features, const JointRefinementInput& input,
+                           const std::vector<Rigid3>& start_camera_from_map, const RefineImagesOptions& options,
+                           std::vector<ImageReport>* reports) {
+  return JointRefiner(features, input, start_camera_from_map, options, reports).run();
+}
+
+}  // namespace cpplus

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "cpplus/refine/projected_sample.h"
+
+namespace cpplus {
+
+/// A sample of a map edge and the image edge that it matches.
+struct EdgeMatch {
+  Eigen::Vector3d x_in_map = Eigen::Vector3d::Zero();
+  uint32_t edge = 0;                                  // index of the MapEdge
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();    // of the image edge
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // unit, across the projected map edge
+  double sigma_px = 1.0;                              // of this residual alone
+  double weight = 1.0;                                // < 1: its share of what its edge can know
+  ProjectedSample projected;
+};
+
+/// How many map edges have a match; matches ordered by edge.
+int count_edges(const std::vector<EdgeMatch>& matches);
+
+/// Information of the perturbation (geometry/rigid3.h) that the matches hold, each with the weight that Cauchy's loss
+/// of that scale leaves it.
+Matrix6d edge_information(const std::vector<EdgeMatch>& matches, double loss_scale);
+
+}  // namespace cpplus

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "cpplus/cloud/surface_match.h"
+#include "cpplus/core/options.h"
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/rigid3.h"
+#include "cpplus/refine/edge_evidence.h"
+#include "cpplus/refine/pose_guess.h"
+
+namespace cpplus {
+
+struct JointOptions {
+  /// Rounds of matching edges, each solved to the end. [1, inf)
+  int rounds = 6;
+  /// Standard deviations of the place where a patch was found in another image: its own, and what all patches of a
+  /// plane in a pair of images have in common (error of the plane), pixels. (0, inf)
+  double patch_sigma_px = 0.3;
+  double plane_sigma_px = 0.3;
+  /// Standard deviation of the time offset, seconds. (0, inf)
+  double time_offset_sigma_s = 0.05;
+  /// Poses of single images are less certain than their own covariance says by about this factor on it, as matches may
+  /// be wrong. [1, inf)
+  double covariance_inflation = 4.0;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("rounds", rounds, "Rounds of matching edges in the joint solve.");
+    visitor("patch_sigma_px", patch_sigma_px, "Standard deviation of a patch's place in another image, pixels.");
+    visitor("plane_sigma_px", plane_sigma_px, "What all patches of a plane have in common, pixels.");
+    visitor("time_offset_sigma_s", time_offset_sigma_s, "Standard deviation of the time offset, seconds.");
+    visitor("covariance_inflation", covariance_inflation, "Factor on the covariances of poses of single images.");
+  }
+};
+
+/// How edges are matched and weighed, as for single images.
+struct JointEdgeOptions {
+  double first_radius_px = 8.0;
+  double last_radius_px = 3.0;
+  double loss_scale = 1.5;
+  EdgeEvidence::Noise noise;
+};
+
+/// What one image says of its pose, without the prior: information of the perturbation (geometry/rigid3.h).
+struct PoseObservation {
+  Rigid3 camera_from_map;
+  Matrix6d information = Matrix6d::Zero();
+};
+
+struct JointImage {
+  const Camera* camera = nullptr;
+  uint32_t camera_id = 0;
+  Rigid3 coarse_camera_from_map;
+  Rigid3 camera_from_map;               // where the solve starts
+  const EdgeEvidence* edges = nullptr;  // null: it has none
+  /// Result of the image on its own, where its edges are not at hand.
+  std::optional<PoseObservation> observed;
+  /// Of the coarse pose, in the camera frame: rad/s, m/s.
+  std::optional<Vector6d> velocity_per_s;
+};
+
+struct JointProblem {
+  std::vector<JointImage> images;
+  std::vector<SurfaceMatch> matches;  // indices of images
+  /// For each camera, its images in order of time: (time, index).
+  std::map<uint32_t, std::vector<std::pair<double, size_t>>> sequences;
+};
+
+struct JointPose {
+  Rigid3 camera_from_map;
+  Matrix6d covariance = Matrix6d::Zero();  // of the perturbation in geometry/rigid3.h
+  /// What everything but the image's own edges (or observation) says of its pose.
+  PoseGuess from_others;
+};
+
+/// What the coarse poses of all images of one camera have wrong in common.
+struct SharedErrors {
+  int num_images = 0;
+  /// To be added to the stamps of the images, seconds.
+  double time_offset_s = 0.0;
+  double time_offset_sigma_s = 0.0;
+  /// Constant perturbation of the camera (geometry/rigid3.h): rad, rad, rad, m, m, m.
+  Vector6d extrinsic = Vector6d::Zero();
+  Vector6d extrinsic_sigmas = Vector6d::Zero();
+};
+
+struct JointResult {
+  std::vector<JointPose> poses;
+  std::map<uint32_t, SharedErrors> shared;  // by camera
+};
+
+/// Solves all images together. The correction c_i of a coarse pose (perturbation, geometry/rigid3.h) is
+///
+///   c_i = e + v_i t + d_i
+///
+/// with an extrinsic error e and a time offset t of each camera, the camera's velocity v_i and a drift d_i that changes
+/// little from image to image; minimised are, robustly, the distances of map edges to image edges (or to the pose that
+/// an image on its own gives; Student's t with 4 degrees of freedom), the places where patches of the map's planes are
+/// found in other images (surface_match_residual.h), and the priors of e, t, d_i and d_i - d_i+1. How large and how
+/// smooth the drift is follows from the data (expectation maximisation), so that errors that are independent from image
+/// to image are found to be so. Sparse: cost linear in images.
+JointResult solve_joint(const JointProblem& problem, const Vector6d& prior_sigmas, const JointEdgeOptions& edges,
+                        const JointOptions& options);
+
+}  // namespace cpplus

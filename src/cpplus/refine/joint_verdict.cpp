@@ -1,0 +1,151 @@
+#include "cpplus/refine/joint_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cpplus/refine/degeneracy.h"
+#include "cpplus/refine/pose_solver.h"
+
+namespace cpplus {
+namespace {
+
+constexpr int kMaxSolverIterations = 10;
+// Others place an image when they leave it uncertain by so many times what is accepted.
+constexpr double kPlacedByOthers = 2.0;
+
+EdgeResidual summarise(std::vector<double> distances, double first_radius_px, double last_radius_px) {
+  EdgeResidual residual;
+  residual.num_samples = static_cast<int>(distances.size());
+  if (distances.empty()) return residual;
+  double squares = 0.0;
+  int inliers = 0;
+  for (const double distance : distances) {
+    squares += distance * distance;
+    residual.num_matches += distance < first_radius_px;
+    inliers += distance < last_radius_px;
+  }
+  residual.rms_px = std::sqrt(squares / static_cast<double>(distances.size()));
+  residual.inlier_share = static_cast<double>(inliers) / static_cast<double>(distances.size());
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  residual.median_px = *middle;
+  return residual;
+}
+
+class JointJudge {
+ public:
+  JointJudge(const Camera& camera, const JointCandidate& candidate, const EdgeResidual& before,
+             const RefinePoseOptions& options)
+      : camera_(camera), candidate_(candidate), edges_(*candidate.edges), before_(before), options_(options) {}
+
+  RefinePoseResult run() {
+    const Rigid3& pose = candidate_.pose.camera_from_map;
+    RefinePoseResult result;
+    result.camera_from_map = candidate_.coarse_camera_from_map;
+    result.candidate_camera_from_map = pose;
+    result.num_samples = static_cast<int>(edges_.num_samples());
+    result.after = residual_of(edges_.all(), pose);
+    result.held_out_after = cross_validate(pose);
+    const std::vector<EdgeMatch> matches = edges_.match(camera_, pose, options_.last_radius_px, noise(), edges_.all());
+    result.num_matches = static_cast<int>(matches.size());
+    result.num_edges = count_edges(matches);
+    result.information = edge_information(matches, options_.loss_scale);
+    const Degeneracy degeneracy = analyse_information(result.information, options_.prior.sigmas());
+    result.information_eigenvalues = degeneracy.eigenvalues;
+    result.weak_directions = degeneracy.weak_directions;
+    result.covariance = candidate_.pose.covariance;
+    result.predicted_shift_px = predicted_shift(candidate_.pose.covariance);
+    result.held_out_before = before_;
+    result.reason = objection(result);
+    if (!result.reason.empty()) return result;
+    result.status = RefineStatus::kRefined;
+    result.camera_from_map = pose;
+    return result;
+  }
+
+ private:
+  EdgeEvidence::Noise noise() const { return {options_.image_sigma_px, options_.edge_sigma_px}; }
+
+  EdgeResidual residual_of(const EdgeEvidence::Selection& selection, const Rigid3& pose) const {
+    EdgeResidual residual = summarise(edges_.distances(camera_, pose, options_.first_radius_px, selection),
+                                      options_.first_radius_px, options_.last_radius_px);
+    residual.log_ratio = edges_.log_ratio(camera_, pose, options_.search.last_kernel_px, selection);
+    return residual;
+  }
+
+  EdgeResidual cross_validate(const Rigid3& pose) const {
+    const std::vector<EdgeEvidence::Selection> folds = edges_.folds(options_.folds);
+    std::vector<double> distances;
+    double log_ratio = 0.0;
+    for (size_t held_out = 0; held_out < folds.size(); ++held_out) {
+      EdgeEvidence::Selection others;
+      for (size_t fold = 0; fold < folds.size(); ++fold) {
+        if (fold != held_out) others.insert(others.end(), folds[fold].begin(), folds[fold].end());
+      }
+      const std::vector<EdgeMatch> matches = edges_.match(camera_, pose, options_.first_radius_px, noise(), others);
+      const Rigid3 judged =
+          solve_pose(camera_, pose, matches, candidate_.pose.from_others, options_.loss_scale, kMaxSolverIterations)
+              .camera_from_map;
+      const std::vector<double> more = edges_.distances(camera_, judged, options_.first_radius_px, folds[held_out]);
+      distances.insert(distances.end(), more.begin(), more.end());
+      log_ratio += edges_.log_ratio(camera_, judged, options_.search.last_kernel_px, folds[held_out]);
+    }
+    EdgeResidual residual = summarise(std::move(distances), options_.first_radius_px, options_.last_radius_px);
+    residual.log_ratio = log_ratio;
+    return residual;
+  }
+
+  // Why the pose is not to be believed; empty if it is.
+  const char* objection(const RefinePoseResult& result) const {
+    if (!(result.predicted_shift_px <= options_.max_predicted_shift_px)) return "the pose is too uncertain";
+    // Where the others place the image its own edges need only agree; else they must be more than the best of many
+    // poses finds by chance.
+    const bool placed_by_others =
+        predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * options_.max_predicted_shift_px;
+    if (placed_by_others) {
+      return result.held_out_after.log_ratio > 0 ? "" : "the map's edges do not lie on image edges";
+    }
+    if (result.num_matches < options_.min_samples || result.num_edges < options_.min_edges) {
+      return "too few matched edges";
+    }
+    if (result.held_out_after.log_ratio < options_.min_log_ratio) {
+      return "the map's edges do not lie on image edges more than by chance";
+    }
+    if (result.held_out_after.log_ratio - before_.log_ratio < options_.min_log_gain) {
+      return "held-out edges do not fit better than before";
+    }
+    return "";
+  }
+
+  // Mean over the surface that the image sees of the standard deviation of its place in the image.
+  double predicted_shift(const Matrix6d& covariance) const {
+    double sum = 0.0;
+    int count = 0;
+    EdgeSample sample;
+    sample.direction_in_map = Eigen::Vector3d::UnitX();
+    for (const Eigen::Vector3d& x : candidate_.surface_in_map) {
+      sample.x_in_map = x;
+      const auto projected = project_sample(camera_, candidate_.pose.camera_from_map, sample);
+      if (!projected) continue;
+      sum += std::sqrt((projected->d_pixel_d_delta * covariance * projected->d_pixel_d_delta.transpose()).trace());
+      ++count;
+    }
+    return count == 0 ? std::numeric_limits<double>::infinity() : sum / count;
+  }
+
+  const Camera& camera_;
+  const JointCandidate& candidate_;
+  const EdgeEvidence& edges_;
+  const EdgeResidual before_;
+  const RefinePoseOptions& options_;
+};
+
+}  // namespace
+
+RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
+                                  const EdgeResidual& held_out_before, const RefinePoseOptions& options) {
+  return JointJudge(camera, candidate, held_out_before, options).run();
+}
+
+}  // namespace cpplus

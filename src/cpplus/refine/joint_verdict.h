@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "cpplus/geometry/camera.h"
+#include "cpplus/refine/edge_evidence.h"
+#include "cpplus/refine/joint_solver.h"
+#include "cpplus/refine/refine_pose.h"
+
+namespace cpplus {
+
+/// What the joint solve found for an image, and what is known of its surroundings.
+struct JointCandidate {
+  Rigid3 coarse_camera_from_map;
+  JointPose pose;
+  const EdgeEvidence* edges = nullptr;
+  std::vector<Eigen::Vector3d> surface_in_map;  // points that the image sees
+};
+
+/// Judges a pose of the joint solve: fills residuals (each sample judged by a pose that the other folds of edges and
+/// the other images give), information, weak directions and the predicted shift. The pose is believed when it is
+/// expected to be off by no more than max_predicted_shift_px, and its edges agree: if the other images do not place it
+/// already, more than by chance and better than at the coarse pose (`held_out_before`).
+RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
+                                  const EdgeResidual& held_out_before, const RefinePoseOptions& options);
+
+}  // namespace cpplus

@@ -1,0 +1,44 @@
+#include "cpplus/refine/surface_match_residual.h"
+
+#include <cmath>
+
+namespace cpplus {
+namespace {
+
+// [-x]_x: derivative of w x x by w.
+Eigen::Matrix3d turning(const Eigen::Vector3d& x) {
+  Eigen::Matrix3d m;
+  m << 0, x.z(), -x.y(), -x.z(), 0, x.x(), x.y(), -x.x(), 0;
+  return m;
+}
+
+}  // namespace
+
+std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& match, const Camera& camera_a,
+                                                           const Rigid3& a_from_map, const Camera& camera_b,
+                                                           const Rigid3& b_from_map) {
+  const auto bearing = camera_a.unproject(match.pixel_a);
+  if (!bearing) return std::nullopt;
+  const Eigen::Matrix3d map_from_a = a_from_map.rotation.conjugate().toRotationMatrix();
+  const Eigen::Vector3d center = camera_center(a_from_map);
+  const Eigen::Vector3d direction = map_from_a * *bearing;
+  const double slope = match.normal_in_map.dot(direction);
+  if (std::abs(slope) < 1e-6) return std::nullopt;
+  const double range = match.normal_in_map.dot(match.point_in_map - center) / slope;
+  if (!(range > 0)) return std::nullopt;
+
+  const Eigen::Vector3d x_in_b = b_from_map * (center + range * direction);
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> d_pixel_d_x;
+  if (!camera_b.project(x_in_b, &pixel, &d_pixel_d_x)) return std::nullopt;
+  SurfaceMatchResidual r;
+  r.residual = pixel - match.pixel_b;
+  const Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity() - direction * match.normal_in_map.transpose() / slope;
+  const Eigen::Matrix<double, 2, 3> d_pixel_d_motion =
+      d_pixel_d_x * b_from_map.rotation.toRotationMatrix() * in_plane * map_from_a;
+  r.by_a << d_pixel_d_motion * turning(range * *bearing), d_pixel_d_motion;
+  r.by_b << -d_pixel_d_x * turning(x_in_b), -d_pixel_d_x;
+  return r;
+}
+
+}  // namespace cpplus

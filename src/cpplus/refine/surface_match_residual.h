@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "cpplus/cloud/surface_match.h"
+#include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/rigid3.h"
+
+namespace cpplus {
+
+/// Where the spot that image a shows is expected in image b, minus where it was found, pixels.
+struct SurfaceMatchResidual {
+  Eigen::Vector2d residual = Eigen::Vector2d::Zero();
+  /// By the perturbations (geometry/rigid3.h) of either camera.
+  Eigen::Matrix<double, 2, 6> by_a = Eigen::Matrix<double, 2, 6>::Zero();
+  Eigen::Matrix<double, 2, 6> by_b = Eigen::Matrix<double, 2, 6>::Zero();
+};
+
+/// The ray of pixel_a is met with the plane (n, p), and that point projected into image b:
+///
+///   x = c_a + s d,  d = R_map_a bearing,  s = n^T (p - c_a) / (n^T d),     r = pi_b(T_b_map x) - pixel_b
+///
+/// A camera a that moves by v moves the point by (I - d n^T / (n^T d)) v, always within the plane. Nothing where a
+/// camera model does not hold, or the plane is not met in front of camera a.
+std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& match, const Camera& camera_a,
+                                                           const Rigid3& a_from_map, const Camera& camera_b,
+                                                           const Rigid3& b_from_map);
+
+}  // namespace cpplus
