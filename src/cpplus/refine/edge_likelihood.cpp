@@ -73,7 +73,8 @@ double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
 
 double EdgeLikelihood::log_ratio_fitted() const {
   double sum = 0.0;
-  for (const MapEdgeKind kind : {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity}) {
+  for (const MapEdgeKind kind :
+       {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity, MapEdgeKind::kSilhouette}) {
     double best = 0.0;  // at share 0
     for (const float share : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f}) {
       double of_kind = 0.0;
