@@ -48,28 +48,42 @@ class OutlineTracer {
   bool is_step(const Eigen::Vector2i& cell, int side) const {
     const Eigen::Vector2i out = kOutward[static_cast<size_t>(side)];
     const float near = raster_.range_at(cell);
-    const float far = raster_.range_at(cell + out);
-    if (near == 0.0f || far == 0.0f) return false;
+    if (near == 0.0f) return false;
     const float jump = static_cast<float>(options_.jump_at(static_cast<double>(near)));
-    if (far < near + jump) return false;
-    if (comes_back(cell, out, near + jump)) return false;
+    const int step = first_surface(cell, out);
+    if (step == 0) return false;
+    const float far = raster_.range_at(cell + step * out);
+    if (far < near + jump || comes_back(cell + step * out, out, near + jump)) return false;
     // Along a line of the image 1 / range of a plane is linear. Twice the slope found: it is noisy.
+    const float steps = static_cast<float>(std::min(step, 3));
     const float inner = raster_.range_at(cell - 2 * out);
     if (inner > 0.0f) {
-      const float ahead = 1.0f / near + std::min(0.0f, 1.0f / near - 1.0f / inner);
+      const float ahead = 1.0f / near + steps * std::min(0.0f, 1.0f / near - 1.0f / inner);
       if (ahead <= 0.0f || far < 1.0f / ahead + jump) return false;
     }
-    const float outer = raster_.range_at(cell + 3 * out);
-    return 1.0f / (1.0f / far + std::max(0.0f, 1.0f / far - 1.0f / outer)) > near + 0.5f * jump;
+    const float outer = raster_.range_at(cell + (step + 2) * out);
+    if (outer == 0.0f) return false;
+    return 1.0f / (1.0f / far + steps * std::max(0.0f, 1.0f / far - 1.0f / outer)) > near + 0.5f * jump;
+  }
+
+  // How many cells outward the map has a surface again; 0 = none in reach. Between lies what is in the near surface's
+  // shadow for the LiDAR but not for the camera, or the sky.
+  int first_surface(const Eigen::Vector2i& cell, const Eigen::Vector2i& out) const {
+    const int reach = 1 + static_cast<int>(options_.max_empty_px / raster_.cell_px);
+    for (int k = 1; k <= reach; ++k) {
+      if (!raster_.range.contains(cell.x() + k * out.x(), cell.y() + k * out.y())) return 0;
+      if (raster_.range_at(cell + k * out) > 0.0f) return k;
+    }
+    return 0;
   }
 
   // Whether something nearer is met again soon: the same surface behind a gap between its points, or what casts the
   // shadow that the surface ends in.
-  bool comes_back(const Eigen::Vector2i& cell, const Eigen::Vector2i& out, float least_range) const {
+  bool comes_back(const Eigen::Vector2i& far_cell, const Eigen::Vector2i& out, float least_range) const {
     const int reach = static_cast<int>(std::ceil(options_.min_far_px / raster_.cell_px));
-    for (int k = 2; k <= reach; ++k) {
-      const float range = raster_.range_at(cell + k * out);
-      if (range < least_range && (range > 0.0f || k <= 3)) return true;
+    for (int k = 1; k < reach; ++k) {
+      const float range = raster_.range_at(far_cell + k * out);
+      if (range < least_range && (range > 0.0f || k <= 2)) return true;
     }
     return false;
   }
@@ -170,6 +184,7 @@ class OutlineTracer {
 void RangeJumpOptions::validate() const {
   check_option(min_jump_m > 0, "min_jump_m", "(0, inf)", min_jump_m);
   check_option(min_jump_ratio >= 0, "min_jump_ratio", "[0, inf)", min_jump_ratio);
+  check_option(max_empty_px >= 0, "max_empty_px", "[0, inf)", max_empty_px);
   check_option(min_far_px > 0, "min_far_px", "(0, inf)", min_far_px);
 }
 

@@ -14,6 +14,8 @@ struct RangeJumpOptions {
   /// range. (0, inf), [0, inf)
   double min_jump_m = 0.15;
   double min_jump_ratio = 0.02;
+  /// Widest stretch without any surface between the near and the far one, pixels. [0, inf)
+  double max_empty_px = 40.0;
   /// So far beyond an outline nothing as near as its surface is met, pixels: where the same surface goes on, its points
   /// have a gap; where something nearer stands, it casts the LiDAR shadow that the surface ends in. (0, inf)
   double min_far_px = 16.0;
@@ -23,6 +25,7 @@ struct RangeJumpOptions {
   void visit(Visitor& visitor) {
     visitor("min_jump_m", min_jump_m, "Beyond an outline the map lies this much farther, metres.");
     visitor("min_jump_ratio", min_jump_ratio, "The same as a share of the range; both are added.");
+    visitor("max_empty_px", max_empty_px, "Widest stretch without surface between near and far, pixels.");
     visitor("min_far_px", min_far_px, "So far beyond an outline nothing as near as its surface is met, pixels.");
   }
   double jump_at(double range) const { return min_jump_m + min_jump_ratio * range; }

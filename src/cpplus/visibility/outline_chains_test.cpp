@@ -60,6 +60,28 @@ TEST(TraceOutlines, NothingBeyondIsNoOutline) {
   EXPECT_TRUE(trace_outlines(raster, {}).empty());
 }
 
+TEST(TraceOutlines, AnEmptyStripBeforeTheFarSurfaceIsPassedOver) {
+  // The LiDAR stood elsewhere: the strip is in the near surface's shadow.
+  RangeRaster raster = wall();
+  fill(0, 0, 12, 30, 5.0f, &raster);
+  fill(12, 0, 20, 30, 0.0f, &raster);
+  const auto chains = trace_outlines(raster, {});
+  ASSERT_EQ(chains.size(), 1u);
+  EXPECT_EQ(chains[0].size(), 30u);
+  for (const OutlineStep& step : chains[0]) EXPECT_NEAR(step.pixel.x(), 23.5, 1e-9);
+}
+
+TEST(TraceOutlines, BeforeSomethingNearerTheStripIsItsShadow) {
+  RangeRaster raster = wall();
+  fill(0, 0, 12, 30, 5.0f, &raster);
+  fill(12, 0, 20, 30, 0.0f, &raster);
+  fill(20, 0, 40, 30, 3.0f, &raster);
+  // The outline is that of what casts the shadow.
+  const auto chains = trace_outlines(raster, {});
+  ASSERT_EQ(chains.size(), 1u);
+  for (const OutlineStep& step : chains[0]) EXPECT_EQ(step.range, 3.0f);
+}
+
 TEST(TraceOutlines, ANarrowGapIsNoOutline) {
   RangeRaster raster = wall();
   fill(0, 0, 40, 30, 5.0f, &raster);
