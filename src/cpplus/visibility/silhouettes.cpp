@@ -14,6 +14,9 @@ namespace {
 constexpr double kSpacingCorrection = 0.5;
 constexpr double kMinStripPx = 4.0;
 constexpr size_t kMinBins = 5;
+// Few points may lie on a line by chance.
+constexpr double kMinScatterPx = 0.3;
+constexpr double kMinRangeScatterM = 0.02;
 
 // A straight piece of an outline in the image, before its points are looked at.
 struct Piece {
@@ -179,6 +182,13 @@ class PointsNearPieces {
   int32_t num_sorted_ = 0;
 };
 
+// An outermost point of the near surface.
+struct BinPoint {
+  double v;  // outward, pixels
+  double t;  // along, pixels
+  double range;
+};
+
 struct FittedOutline {
   double offset_px = 0.0;  // outward, at the start of the piece
   double slope = 0.0;
@@ -186,6 +196,9 @@ struct FittedOutline {
   double inverse_range = 0.0;
   double inverse_range_slope = 0.0;
   double range_sigma_m = 0.0;
+
+  double residual_px(const BinPoint& s) const { return s.v - offset_px - slope * s.t; }
+  double residual_m(const BinPoint& s) const { return s.range - 1.0 / (inverse_range + inverse_range_slope * s.t); }
 };
 
 // The outermost points of the near surface along a piece, one a bin, and the line through them.
@@ -234,56 +247,37 @@ class OutlineFit {
   }
 
  private:
-  struct BinPoint {
-    double v;  // outward, pixels
-    double t;  // along, pixels
-    double range;
-  };
-
   // Three times, from the second on without what is off by more than two deviations.
   std::optional<FittedOutline> fit(const std::vector<BinPoint>& samples, double gap_px) const {
     FittedOutline fitted;
     double sigma = std::numeric_limits<double>::infinity();
-    double range_sigma = std::numeric_limits<double>::infinity();
-    size_t used = 0;
+    double num_used = 0.0;
     for (int round = 0; round < 3; ++round) {
+      std::vector<BinPoint> used;
       LineFit across;
       LineFit inverse_range;
       for (const BinPoint& s : samples) {
-        if (is_far_off(fitted, s, sigma, range_sigma)) continue;
+        if (std::abs(fitted.residual_px(s)) > 2.0 * sigma) continue;
+        used.push_back(s);
         across.add(s.t, s.v);
         inverse_range.add(s.t, 1.0 / s.range);
       }
-      if (across.n < static_cast<double>(kMinBins) || across.n * 4 < 3 * static_cast<double>(samples.size()))
-        return std::nullopt;
+      if (used.size() < kMinBins || used.size() * 4 < samples.size() * 3) return std::nullopt;
       fitted.offset_px = across.offset();
       fitted.slope = across.slope();
-      double squares = 0, range_squares = 0;
-      used = 0;
-      const FittedOutline old = fitted;
-      for (const BinPoint& s : samples) {
-        if (is_far_off(old, s, sigma, range_sigma)) continue;
-        const double r = s.v - fitted.offset_px - fitted.slope * s.t;
-        squares += r * r;
-        ++used;
-      }
       fitted.inverse_range = inverse_range.offset();
       fitted.inverse_range_slope = inverse_range.slope();
-      for (const BinPoint& s : samples) {
-        const double r = s.range - 1.0 / (fitted.inverse_range + fitted.inverse_range_slope * s.t);
-        range_squares += r * r;
-      }
-      sigma = std::max(0.3, std::sqrt(squares / static_cast<double>(std::max<size_t>(1, used))));
-      range_sigma = std::max(0.02, std::sqrt(range_squares / static_cast<double>(samples.size())));
+      num_used = static_cast<double>(used.size());
+      double squares = 0.0;
+      for (const BinPoint& s : used) squares += fitted.residual_px(s) * fitted.residual_px(s);
+      sigma = std::max(kMinScatterPx, std::sqrt(squares / num_used));
     }
-    if (sigma > options_.max_scatter_px || range_sigma > options_.max_range_scatter_m) return std::nullopt;
-    fitted.sigma_px = std::hypot(sigma / std::sqrt(static_cast<double>(used)), 0.3 * gap_px);
-    fitted.range_sigma_m = range_sigma;
+    double range_squares = 0.0;
+    for (const BinPoint& s : samples) range_squares += fitted.residual_m(s) * fitted.residual_m(s);
+    fitted.range_sigma_m = std::max(kMinRangeScatterM, std::sqrt(range_squares / static_cast<double>(samples.size())));
+    if (sigma > options_.max_scatter_px || fitted.range_sigma_m > options_.max_range_scatter_m) return std::nullopt;
+    fitted.sigma_px = std::hypot(sigma / std::sqrt(num_used), 0.3 * gap_px);
     return fitted;
-  }
-
-  static bool is_far_off(const FittedOutline& fitted, const BinPoint& s, double sigma, double) {
-    return std::abs(s.v - fitted.offset_px - fitted.slope * s.t) > 2.0 * sigma;
   }
 
   const Piece& piece_;
