@@ -8,9 +8,10 @@
 namespace cpplus {
 
 enum class MapEdgeKind {
-  kCrease,     // two planes meet: depth-continuous
-  kBoundary,   // a plane ends: depth-discontinuous where something farther is seen beyond it
-  kIntensity,  // the LiDAR intensity changes on a plane
+  kCrease,      // two planes meet: depth-continuous
+  kBoundary,    // a plane ends: depth-discontinuous where something farther is seen beyond it
+  kIntensity,   // the LiDAR intensity changes on a plane
+  kSilhouette,  // the near surface ends, as one view sees it: depth-discontinuous
 };
 
 /// A straight edge of the map.

@@ -16,6 +16,10 @@ namespace {
 constexpr double kThinCell = 0.03;  // metres
 constexpr double kRadius = 0.12;    // metres around a point in which both sides of an edge are compared
 constexpr double kStrip = 0.10;     // metres on each side of an edge
+// Surroundings in which an edge must stand out, in strips along it.
+constexpr double kSurroundings = 0.5;        // metres on each side
+constexpr double kSurroundingsStrip = 0.05;  // metres
+constexpr double kMinStandOut = 3.0;         // contrast / third quartile of the steps between strips
 
 struct Side {
   double count = 0, sum = 0, squares = 0;
@@ -152,7 +156,40 @@ class IntensityEdgeFinder {
     }
     const auto offset = best_offset(piece.start, piece.end, piece.normal);
     if (!offset) return std::nullopt;
-    return Segment2d{piece.start + *offset * piece.normal, piece.end + *offset * piece.normal, piece.normal};
+    const Segment2d fitted{piece.start + *offset * piece.normal, piece.end + *offset * piece.normal, piece.normal};
+    if (!stands_out(fitted)) return std::nullopt;
+    return fitted;
+  }
+
+  // Whether the step is large among the steps from strip to strip around it. Lasers of a spinning LiDAR differ in what
+  // they measure of one surface: then every ring's border is a step like this one.
+  bool stands_out(const Segment2d& piece) const {
+    const Eigen::Vector2d middle = 0.5 * (piece.start + piece.end);
+    const Eigen::Vector2d direction = (piece.end - piece.start).normalized();
+    const double half = 0.5 * (piece.end - piece.start).norm();
+    constexpr int kHalfCount = static_cast<int>(kSurroundings / kSurroundingsStrip);
+    std::vector<Side> strips(2 * kHalfCount);
+    grid_.for_each_near(middle, std::hypot(half, kSurroundings), [&](uint32_t i) {
+      const Eigen::Vector2d d = points_.positions[i] - middle;
+      const int strip = static_cast<int>(std::floor(piece.normal.dot(d) / kSurroundingsStrip)) + kHalfCount;
+      if (std::abs(direction.dot(d)) > half || strip < 0 || strip >= 2 * kHalfCount) return;
+      strips[static_cast<size_t>(strip)].add(values_[i]);
+    });
+    const auto step_after = [&](size_t k) -> std::optional<double> {
+      if (strips[k].count < 4 || strips[k + 1].count < 4) return std::nullopt;
+      return std::abs(strips[k + 1].mean() - strips[k].mean());
+    };
+    std::vector<double> steps;
+    for (size_t k = 0; k + 1 < strips.size(); ++k) {
+      const auto step = step_after(k);
+      if (step && k + 1 != kHalfCount) steps.push_back(*step);
+    }
+    const auto own = step_after(kHalfCount - 1);
+    if (!own || steps.size() < 6) return true;
+    // Not the median: stripes wider than a strip have no step at every other strip.
+    const auto quartile = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * 3 / 4);
+    std::nth_element(steps.begin(), quartile, steps.end());
+    return *own >= kMinStandOut * *quartile;
   }
 
   // The step that explains the raw intensities best: least squares of two levels over all positions of the step.

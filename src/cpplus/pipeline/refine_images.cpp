@@ -5,6 +5,7 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/stopwatch.h"
+#include "cpplus/visibility/point_spacing.h"
 
 namespace cpplus {
 namespace {
@@ -58,6 +59,7 @@ void RefineImagesOptions::validate() const {
   planes.validate();
   map_edges.validate();
   visibility.validate();
+  silhouettes.validate();
   samples.validate();
   blur.validate();
   image_edges.validate();
@@ -72,6 +74,7 @@ MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOpti
   features.planes = segment_planes(features.map, options.planes);
   features.surface = collect_plane_surface(features.map, features.planes, options.visibility);
   features.edges = find_map_edges(features.map, cloud.intensities, features.planes, options.map_edges);
+  features.leaf_spacing = leaf_point_spacing(features.map);
   return features;
 }
 
@@ -111,14 +114,17 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
                                            : render_plane_buffer(features.map, features.planes, features.surface,
                                                                  camera, coarse_camera_from_map, options.visibility);
   lap("visibility");
-  result.samples = sample_visible_edges(features.edges, camera, guess.camera_from_map, planes, options.samples);
+  result.edges = concatenate_groups({features.edges, find_silhouettes(features.map, features.leaf_spacing, camera,
+                                                                      guess.camera_from_map, options.silhouettes)});
+  lap("silhouettes");
+  result.samples = sample_visible_edges(result.edges, camera, guess.camera_from_map, planes, options.samples);
   report.num_map_edges = static_cast<int>(count_edges(result.samples));
   lap("samples");
 
   const ImageEdges image_edges = detect_image_edges(image, options.image_edges);
   lap("image_edges");
   report.refine =
-      refine_pose(camera, coarse_camera_from_map, guess, features.edges, result.samples, image_edges, options.refine);
+      refine_pose(camera, coarse_camera_from_map, guess, result.edges, result.samples, image_edges, options.refine);
   report.camera_from_map = report.refine.camera_from_map;
   lap("refine");
   const bool refined = report.refine.status == RefineStatus::kRefined;

@@ -15,6 +15,7 @@
 #include "cpplus/refine/refine_pose.h"
 #include "cpplus/report/refine_report.h"
 #include "cpplus/visibility/plane_buffer_renderer.h"
+#include "cpplus/visibility/silhouettes.h"
 
 namespace cpplus {
 
@@ -26,6 +27,7 @@ struct RefineImagesOptions {
   PlaneSegmentationOptions planes;
   MapEdgeOptions map_edges;
   PlaneBufferOptions visibility;
+  SilhouetteOptions silhouettes;
   EdgeSampleOptions samples;
   BlurOptions blur;
   ImageEdgeOptions image_edges;
@@ -41,6 +43,7 @@ struct RefineImagesOptions {
     visitor.group("planes", planes);
     visitor.group("map_edges", map_edges);
     visitor.group("visibility", visibility);
+    visitor.group("silhouettes", silhouettes);
     visitor.group("samples", samples);
     visitor.group("blur", blur);
     visitor.group("image_edges", image_edges);
@@ -56,6 +59,7 @@ struct MapFeatures {
   PlaneSegmentation planes;
   PlaneSurface surface;
   std::vector<MapEdge> edges;
+  std::vector<float> leaf_spacing;  // of the points, metres (visibility/point_spacing.h)
 };
 
 MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options);
@@ -63,7 +67,8 @@ MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOpti
 /// Everything known of one image after refinement.
 struct RefinedImage {
   ImageReport report;
-  std::vector<EdgeSample> samples;  // map edges that it should see from its coarse pose
+  std::vector<MapEdge> edges;       // the map's, then the silhouettes of this view
+  std::vector<EdgeSample> samples;  // of those edges that it should see from its coarse pose
 };
 
 /// One image against the map. `decode` yields the grey image or throws Error, which becomes the status `unreadable`.

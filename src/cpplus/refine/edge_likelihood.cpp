@@ -94,7 +94,8 @@ SampleLikelihood sample_likelihood(MapEdgeKind kind, int edge_samples, double wi
 
 double fitted_log_ratio(const std::vector<SampleLikelihood>& samples) {
   double sum = 0.0;
-  for (const MapEdgeKind kind : {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity}) {
+  for (const MapEdgeKind kind :
+       {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity, MapEdgeKind::kSilhouette}) {
     double best = 0.0;  // at share 0
     for (const float share : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f}) {
       double of_kind = 0.0;

@@ -52,6 +52,7 @@ class Sampler {
   }
 
   bool is_visible(const MapEdge& edge, const Eigen::Vector3d& x, const Eigen::Vector2d& pixel) const {
+    if (edge.kind == MapEdgeKind::kSilhouette) return true;  // found in what this view sees
     const double range = (x - center_).norm();
     if (!planes_.is_visible(x, pixel, options_.occlusion_margin_m)) return false;
     if (edge.kind != MapEdgeKind::kBoundary) return true;

@@ -59,6 +59,17 @@ TEST(SampleVisibleEdges, AWallHidesWhatIsBehindIt) {
   EXPECT_EQ(edges_seen(samples_of(edges, make_room(std::nullopt, {}))), (std::set<uint32_t>{0, 1}));
 }
 
+TEST(SampleVisibleEdges, ASilhouetteCountsWhateverThePlanesSay) {
+  // It was found in what the view sees; no plane need be where it is, and one beyond does not have to be known.
+  MapEdge trunk = line({0.2, 4, -0.5}, {0.2, 4, 0.5});
+  trunk.kind = MapEdgeKind::kSilhouette;
+  const TestRoom wall = make_room(std::nullopt, {{{-3, 2, -3}, {3, 2.2, 3}}});
+  const std::vector<EdgeSample> samples = samples_of({trunk}, wall);
+  // 1 m at 4 m with 400 px: 100 px.
+  ASSERT_GE(samples.size(), 16u);
+  for (const EdgeSample& sample : samples) EXPECT_EQ(sample.edge_samples, samples.size());
+}
+
 TEST(SampleVisibleEdges, AThinWallHidesTheEdgeOnItsOtherFace) {
   // A door frame on the far face of a wall of 6 cm.
   const TestRoom wall = make_room(std::nullopt, {{{-3, 2, -3}, {3, 2.06, 3}}});
