@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -13,13 +15,16 @@
 namespace cpplus {
 namespace {
 
-constexpr int kNumOrientations = 8;
+constexpr int kNumDirections = 8;
 constexpr double kFineSigmaPx = 1.0;
 constexpr double kCoarseSigmaHalfPx = 1.5;  // on the image of half size: 3 px
-constexpr double kStrongestShare = 0.3;     // of the edge pixels of an orientation
-constexpr double kSharpnessQuantile = 0.8;  // among those
-constexpr double kNoiseRatio = 1.0;         // least coarse gradient per pixel / noise
 constexpr double kMinCoarseGradient = 0.3;  // grey levels per pixel
+constexpr double kNoiseRatio = 1.0;         // least coarse gradient per pixel of an edge that counts / noise
+constexpr double kStrongGradient = 3.0;     // grey levels per pixel: softer ones may be mottled plaster or shading ...
+constexpr double kStrongRatio = 0.25;       // ... unless the image's strongest edges are little stronger themselves
+constexpr double kStrongestShare = 0.5;     // of the edge pixels that count, around a direction
+constexpr double kSharpnessQuantile = 0.9;  // among those
+constexpr float kMinCosine = 0.7f;          // 45 degrees from the direction, where 0.7 of a smear still shows
 constexpr int kSearchPx = 2;                // the sharp edge may lie beside the coarse one
 
 /// A pixel of the half-size image where the coarse gradient has a maximum across the edge.
@@ -28,8 +33,6 @@ struct CoarseEdge {
   float gradient;            // grey levels per full-size pixel
   float normal_x, normal_y;  // along the gradient
 };
-
-using EdgesByOrientation = std::array<std::vector<CoarseEdge>, kNumOrientations>;
 
 GrayImage to_image(const cv::Mat& gray) {
   GrayImage image(gray.cols, gray.rows);
@@ -155,7 +158,7 @@ bool at_black_frame(const cv::Mat& gray, const CoarseEdge& edge) {
   return true;
 }
 
-EdgesByOrientation find_coarse_edges(const ImageGradient& coarse, const cv::Mat& gray) {
+std::vector<CoarseEdge> find_coarse_edges(const ImageGradient& coarse, const cv::Mat& gray) {
   constexpr int kMargin = 4;
   // The coarse gradient was taken per pixel of the half-size image.
   constexpr float kCoarseUnits = 2.0f * ImageGradient::kUnitsPerLevel;
@@ -166,7 +169,7 @@ EdgesByOrientation find_coarse_edges(const ImageGradient& coarse, const cv::Mat&
     const float dy = coarse.dy[i];
     squared[i] = dx * dx + dy * dy;
   }
-  EdgesByOrientation edges;
+  std::vector<CoarseEdge> edges;
   for (int y = kMargin; y < coarse.height - kMargin; ++y) {
     for (int x = kMargin; x < coarse.width - kMargin; ++x) {
       const size_t i = coarse.index(x, y);
@@ -174,29 +177,56 @@ EdgesByOrientation find_coarse_edges(const ImageGradient& coarse, const cv::Mat&
       const float magnitude = std::sqrt(squared[i]);
       const float normal_x = coarse.dx[i] / magnitude;
       const float normal_y = coarse.dy[i] / magnitude;
-      const double turns = std::atan2(normal_y, normal_x) / M_PI + 1.0 + 0.5 / kNumOrientations;
-      const auto orientation = static_cast<size_t>(turns * kNumOrientations) % kNumOrientations;
       const CoarseEdge edge{static_cast<float>(x), static_cast<float>(y), magnitude / kCoarseUnits, normal_x, normal_y};
-      if (!at_black_frame(gray, edge)) edges[orientation].push_back(edge);
+      if (!at_black_frame(gray, edge)) edges.push_back(edge);
     }
   }
   return edges;
 }
 
-/// Upper quantile of fine / coarse gradient among the strongest edges of one orientation; 0 when there are too few.
-double sharpness_of(std::vector<CoarseEdge>* edges, const cv::Mat& fine, double least_gradient, int min_edges) {
-  const auto strongest = static_cast<size_t>(kStrongestShare * static_cast<double>(edges->size()));
-  std::nth_element(edges->begin(), edges->begin() + static_cast<long>(strongest), edges->end(),
-                   [](const CoarseEdge& a, const CoarseEdge& b) { return a.gradient > b.gradient; });
-  std::vector<float> values;
-  for (size_t i = 0; i < strongest; ++i) {
-    const CoarseEdge& edge = (*edges)[i];
-    if (edge.gradient >= least_gradient) values.push_back(fine_gradient(fine, edge) / edge.gradient);
+/// An edge that is strong enough to tell sharp from smeared.
+struct JudgedEdge {
+  float gradient;
+  float sharpness;  // fine / coarse gradient
+  float normal_x, normal_y;
+};
+
+/// The coarse gradient that an edge needs to count: well above the noise, and above what soft texture has.
+double least_gradient(const std::vector<CoarseEdge>& edges, double noise, size_t min_edges) {
+  if (edges.size() < min_edges) return kStrongGradient;
+  std::vector<float> gradients;
+  for (const CoarseEdge& edge : edges) gradients.push_back(edge.gradient);
+  const auto at = gradients.begin() + static_cast<long>(min_edges - 1);
+  std::nth_element(gradients.begin(), at, gradients.end(), std::greater<>());
+  return std::max(kNoiseRatio * noise, std::min(kStrongGradient, kStrongRatio * static_cast<double>(*at)));
+}
+
+std::vector<JudgedEdge> judge_edges(const std::vector<CoarseEdge>& edges, const cv::Mat& fine, double least_gradient) {
+  std::vector<JudgedEdge> judged;
+  for (const CoarseEdge& edge : edges) {
+    if (edge.gradient < least_gradient) continue;
+    judged.push_back({edge.gradient, fine_gradient(fine, edge) / edge.gradient, edge.normal_x, edge.normal_y});
   }
-  if (values.empty() || values.size() < static_cast<size_t>(min_edges)) return 0.0;
-  const auto at = values.begin() + static_cast<long>(kSharpnessQuantile * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return judged;
+}
+
+/// Upper quantile of the sharpness among the strongest edges within 45 degrees of a direction, all of which a smear in
+/// that direction would have softened; 0 when there are too few.
+double sharpness_around(const std::vector<JudgedEdge>& judged, double direction_rad, size_t min_edges) {
+  const auto x = static_cast<float>(std::cos(direction_rad));
+  const auto y = static_cast<float>(std::sin(direction_rad));
+  std::vector<JudgedEdge> edges;
+  std::copy_if(judged.begin(), judged.end(), std::back_inserter(edges),
+               [&](const JudgedEdge& edge) { return std::abs(edge.normal_x * x + edge.normal_y * y) >= kMinCosine; });
+  if (edges.size() < min_edges) return 0.0;
+  const auto share = static_cast<size_t>(kStrongestShare * static_cast<double>(edges.size()));
+  const size_t count = std::max(min_edges, share);
+  std::nth_element(edges.begin(), edges.begin() + static_cast<long>(count - 1), edges.end(),
+                   [](const JudgedEdge& a, const JudgedEdge& b) { return a.gradient > b.gradient; });
+  const auto at = edges.begin() + static_cast<long>(kSharpnessQuantile * static_cast<double>(count - 1));
+  std::nth_element(edges.begin(), at, edges.begin() + static_cast<long>(count),
+                   [](const JudgedEdge& a, const JudgedEdge& b) { return a.sharpness < b.sharpness; });
+  return at->sharpness;
 }
 
 }  // namespace
@@ -216,19 +246,20 @@ BlurResult measure_blur(const GrayImage& image, const BlurOptions& options) {
   if (std::min(gray.cols, gray.rows) < kMinSize) return result;
   cv::Mat half;
   cv::resize(gray, half, cv::Size(gray.cols / 2, gray.rows / 2), 0, 0, cv::INTER_AREA);
-  EdgesByOrientation edges = find_coarse_edges(blurred_gradient(to_image(half), kCoarseSigmaHalfPx), gray);
+  const std::vector<CoarseEdge> edges = find_coarse_edges(blurred_gradient(to_image(half), kCoarseSigmaHalfPx), gray);
   cv::Mat fine;
   cv::GaussianBlur(gray, fine, cv::Size(), kFineSigmaPx);
-  const double least_gradient = kNoiseRatio * noise_level(gray);
-  for (int i = 0; i < kNumOrientations; ++i) {
-    const double sharpness = sharpness_of(&edges[i], fine, least_gradient, options.min_edges);
+  const auto min_edges = static_cast<size_t>(options.min_edges);
+  const std::vector<JudgedEdge> judged = judge_edges(edges, fine, least_gradient(edges, noise_level(gray), min_edges));
+  for (int i = 0; i < kNumDirections; ++i) {
+    const double sharpness = sharpness_around(judged, M_PI * i / kNumDirections, min_edges);
     if (sharpness == 0.0) continue;
-    ++result.num_orientations;
-    if (result.num_orientations > 1 && sharpness >= result.sharpness) continue;
+    ++result.num_directions;
+    if (result.num_directions > 1 && sharpness >= result.sharpness) continue;
     result.sharpness = sharpness;
-    result.direction_deg = 180.0 * i / kNumOrientations;
+    result.direction_deg = 180.0 * i / kNumDirections;
   }
-  result.blurred = result.num_orientations > 0 && result.sharpness < options.min_sharpness;
+  result.blurred = result.num_directions > 0 && result.sharpness < options.min_sharpness;
   return result;
 }
 

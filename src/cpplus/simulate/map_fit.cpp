@@ -1,9 +1,23 @@
 #include "cpplus/simulate/map_fit.h"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <optional>
 
 namespace cpplus {
+namespace {
+
+/// Of a panorama: the difference the short way round, across the seam; and columns as wide as on the equator, because
+/// towards the poles a hair's breadth becomes a jump from column to column.
+void unroll(const Camera& camera, const Eigen::Vector3d& x_in_camera, Eigen::Vector2d* difference_px,
+            Eigen::Matrix<double, 2, 6>* jacobian) {
+  if (camera.model() != CameraModel::kEquirectangular) return;
+  const double scale = std::hypot(x_in_camera.x(), x_in_camera.z()) / x_in_camera.norm();
+  difference_px->x() = scale * std::remainder(difference_px->x(), static_cast<double>(camera.width()));
+  jacobian->row(0) *= scale;
+}
+
+}  // namespace
 
 Rigid3 fit_pose_to_map(const Camera& camera, const Rigid3& true_camera_from_map,
                        const std::vector<DisplacedPoint>& points) {
@@ -24,9 +38,11 @@ Rigid3 fit_pose_to_map(const Camera& camera, const Rigid3& true_camera_from_map,
       Eigen::Matrix<double, 3, 6> d_x_d_delta;
       d_x_d_delta << 0.0, -x.z(), x.y(), -1.0, 0.0, 0.0, x.z(), 0.0, -x.x(), 0.0, -1.0, 0.0, -x.y(), x.x(), 0.0, 0.0,
           0.0, -1.0;
-      const Eigen::Matrix<double, 2, 6> jacobian = d_pixel_d_x * d_x_d_delta;
+      Eigen::Matrix<double, 2, 6> jacobian = d_pixel_d_x * d_x_d_delta;
+      Eigen::Vector2d difference_px = pixel - *target;
+      unroll(camera, x, &difference_px, &jacobian);
       information += jacobian.transpose() * jacobian;
-      gradient += jacobian.transpose() * (pixel - *target);
+      gradient += jacobian.transpose() * difference_px;
       ++count;
     }
     if (count < kMinPoints) return true_camera_from_map;
