@@ -27,13 +27,25 @@ bool sees_map(const MapFeatures& features, const Camera& camera, const Rigid3& c
               .empty();
 }
 
-// An empty buffer hides nothing.
-PlaneBuffer nothing_hidden(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map) {
-  PlaneBuffer buffer;
-  buffer.camera = camera;
-  buffer.camera_from_map = camera_from_map;
-  buffer.planes = &features.planes.planes;
-  return buffer;
+// What hides what as seen from a pose; in a local map nothing does.
+PlaneBuffer hiding_planes(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
+                          const RefineImagesOptions& options) {
+  if (!options.local) {
+    return render_plane_buffer(features.map, features.planes, features.surface, camera, camera_from_map,
+                               options.visibility);
+  }
+  PlaneBuffer nothing_hidden;
+  nothing_hidden.camera = camera;
+  nothing_hidden.camera_from_map = camera_from_map;
+  nothing_hidden.planes = &features.planes.planes;
+  return nothing_hidden;
+}
+
+// The map's edges, then the silhouettes of this view.
+std::vector<MapEdge> edges_of_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
+                                   const RefineImagesOptions& options) {
+  return concatenate_groups({features.edges, find_silhouettes(features.map, features.leaf_spacing, camera,
+                                                              camera_from_map, options.silhouettes)});
 }
 
 std::vector<Eigen::Vector3d> seen_surface(const PlaneBuffer& planes) {
@@ -110,12 +122,9 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
   if (!sees_map(features, camera, coarse_camera_from_map, options.samples.max_distance_m)) {
     return finish(ImageStatus::kOutsideMap, "no part of the map is in view");
   }
-  const PlaneBuffer planes = options.local ? nothing_hidden(features, camera, guess.camera_from_map)
-                                           : render_plane_buffer(features.map, features.planes, features.surface,
-                                                                 camera, coarse_camera_from_map, options.visibility);
+  const PlaneBuffer planes = hiding_planes(features, camera, guess.camera_from_map, options);
   lap("visibility");
-  result.edges = concatenate_groups({features.edges, find_silhouettes(features.map, features.leaf_spacing, camera,
-                                                                      guess.camera_from_map, options.silhouettes)});
+  result.edges = edges_of_view(features, camera, guess.camera_from_map, options);
   lap("silhouettes");
   result.samples = sample_visible_edges(result.edges, camera, guess.camera_from_map, planes, options.samples);
   report.num_map_edges = static_cast<int>(count_edges(result.samples));
@@ -133,13 +142,12 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
 
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                              const GrayImage& image, const RefineImagesOptions& options) {
-  const PlaneBuffer planes =
-      render_plane_buffer(features.map, features.planes, features.surface, camera, camera_from_map, options.visibility);
-  const std::vector<EdgeSample> samples =
-      sample_visible_edges(features.edges, camera, camera_from_map, planes, options.samples);
+  const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
+  const std::vector<MapEdge> edges = edges_of_view(features, camera, camera_from_map, options);
+  const std::vector<EdgeSample> samples = sample_visible_edges(edges, camera, camera_from_map, planes, options.samples);
   JointView view;
   view.edges =
-      EdgeEvidence(camera, camera_from_map, features.edges, samples, detect_image_edges(image, options.image_edges),
+      EdgeEvidence(camera, camera_from_map, edges, samples, detect_image_edges(image, options.image_edges),
                    kCandidateRadiusPx, options.refine.max_angle_deg);
   view.patches = prepare_patch_view(image, planes, options.patches);
   view.surface_in_map = seen_surface(planes);
