@@ -43,9 +43,7 @@ class CreaseFinder {
       : map_(map),
         planes_(planes),
         options_(options),
-        max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)),
-        // The strip must be wider than the noise of the other plane, which its points cannot be told from.
-        support_distance_(std::max(options.support_distance_m, 6.0 * planes.noise_m)) {}
+        max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)) {}
 
   std::vector<MapEdge> run() {
     const std::vector<Contact> contacts = find_contacts();
@@ -104,6 +102,11 @@ class CreaseFinder {
   }
 
   const MapPlane& plane(int32_t id) const { return planes_.planes[static_cast<size_t>(id)]; }
+
+  double noise_of(int32_t id) const { return std::max(planes_.noise_m, plane(id).sigma_m); }
+  double support_distance_of(int32_t other) const {
+    return std::max(options_.support_distance_m, 6.0 * noise_of(other));
+  }
 
   bool angle_in_range(int32_t a, int32_t b) const { return std::abs(plane(a).normal.dot(plane(b).normal)) < max_cos_; }
 
@@ -165,7 +168,9 @@ class CreaseFinder {
   Support support_of(int32_t id, int32_t other, const Line& line, const std::vector<uint32_t>& leaves,
                      const Range& range) const {
     const Eigen::Vector3d side = line.direction.cross(plane(id).normal);
-    const double keep_off = 3.0 * planes_.noise_m;
+    const double keep_off = 3.0 * noise_of(other);
+    // The strip must be wider than the noise of the other plane, which its points cannot be told from.
+    const double support_distance = support_distance_of(other);
     Support support(static_cast<size_t>(range.num_bins));
     for (const uint32_t leaf : leaves) {
       for (uint32_t i = map_.points_begin(map_.leaf_layer(), leaf); i < map_.points_end(map_.leaf_layer(), leaf); ++i) {
@@ -174,7 +179,7 @@ class CreaseFinder {
         const double s = side.dot(x - line.point);
         const double t = line.direction.dot(x - line.point);
         const int bin = static_cast<int>(std::floor((t - range.begin) / kBin));
-        if (bin < 0 || bin >= range.num_bins || std::abs(s) > support_distance_) continue;
+        if (bin < 0 || bin >= range.num_bins || std::abs(s) > support_distance) continue;
         const size_t k = static_cast<size_t>(bin);
         support.nearest[k] = std::min(support.nearest[k], static_cast<float>(std::abs(s)));
         ++support.points[k];
@@ -189,7 +194,7 @@ class CreaseFinder {
 
   // The plane has points of its own in the bin, and around it reaches the line; otherwise the two only hang close to
   // each other.
-  std::vector<bool> supported_bins(const Support& support) const {
+  std::vector<bool> supported_bins(const Support& support, int32_t other) const {
     const int bins = static_cast<int>(support.nearest.size());
     std::vector<int> own;
     for (size_t k = 0; k < support.left.size(); ++k) {
@@ -216,7 +221,7 @@ class CreaseFinder {
       const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
       std::nth_element(nearest.begin(), middle, nearest.end());
       // Mean distance between neighbouring points of the strip along its width, were they spread evenly over it.
-      const double spacing = support_distance_ * static_cast<double>(nearest.size()) / points;
+      const double spacing = support_distance_of(other) * static_cast<double>(nearest.size()) / points;
       supported.push_back(*middle < options_.max_gap_m + std::min(spacing, options_.max_gap_m));
     }
     return supported;
@@ -225,8 +230,8 @@ class CreaseFinder {
   // Runs of bins in which both planes have points; up to three missing bins between supported ones are bridged.
   std::vector<MapEdge> edges_along(const PlanePair& pair, const Line& line, const Range& range, const Support& a,
                                    const Support& b) const {
-    const std::vector<bool> supported_a = supported_bins(a);
-    const std::vector<bool> supported_b = supported_bins(b);
+    const std::vector<bool> supported_a = supported_bins(a, pair.second);
+    const std::vector<bool> supported_b = supported_bins(b, pair.first);
     const auto supported = [&](int k) {
       return supported_a[static_cast<size_t>(k)] && supported_b[static_cast<size_t>(k)];
     };
@@ -317,7 +322,6 @@ class CreaseFinder {
   const PlaneSegmentation& planes_;
   const CreaseEdgeOptions& options_;
   double max_cos_;
-  double support_distance_;
 };
 
 }  // namespace
