@@ -6,11 +6,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <tuple>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/features/leaf_neighbors.h"
 #include "cpplus/features/leaf_planes.h"
 #include "cpplus/features/local_plane.h"
+#include "cpplus/features/merge_layers.h"
 
 namespace cpplus {
 namespace {
@@ -39,11 +42,15 @@ std::optional<Line> intersect(const Eigen::Vector3d& normal_a, const Eigen::Vect
 
 class CreaseFinder {
  public:
-  CreaseFinder(const VoxelMap& map, const PlaneSegmentation& planes, const CreaseEdgeOptions& options)
+  CreaseFinder(const VoxelMap& map, const LeafNeighbors& neighbors, const PlaneSegmentation& planes,
+               const CreaseEdgeOptions& options)
       : map_(map),
+        neighbors_(neighbors),
         planes_(planes),
         options_(options),
-        max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)) {}
+        max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)),
+        // The strip must be wider than the noise of the other plane, which its points cannot be told from.
+        support_distance_(std::max(options.support_distance_m, 6.0 * planes.noise_m)) {}
 
   std::vector<MapEdge> run() {
     const std::vector<Contact> contacts = find_contacts();
@@ -77,20 +84,13 @@ class CreaseFinder {
     std::vector<std::vector<Contact>> chunks((num_leaves + kGrain - 1) / kGrain);
     parallel_for_chunks(num_leaves, kGrain, [&](size_t begin, size_t end) {
       std::vector<Contact>& found = chunks[begin / kGrain];
-      std::vector<uint32_t> neighbors;
       for (size_t k = begin; k < end; ++k) {
         const uint32_t leaf = static_cast<uint32_t>(k);
         if (planes_of_leaf[leaf].empty()) continue;
-        map_.neighbors(map_.leaf_layer(), leaf, false, &neighbors);
-        neighbors.push_back(leaf);
         const size_t before = found.size();
-        for (const uint32_t neighbor : neighbors) {
-          for (const int32_t a : planes_of_leaf[leaf]) {
-            for (const int32_t b : planes_of_leaf[neighbor]) {
-              if (a != b && angle_in_range(a, b)) found.push_back({std::minmax(a, b), leaf});
-            }
-          }
-        }
+        add_contacts(leaf, planes_of_leaf[leaf], planes_of_leaf[leaf], &found);
+        for (const uint32_t neighbor : neighbors_[leaf])
+          add_contacts(leaf, planes_of_leaf[leaf], planes_of_leaf[neighbor], &found);
         std::sort(found.begin() + static_cast<std::ptrdiff_t>(before), found.end());
         found.erase(std::unique(found.begin() + static_cast<std::ptrdiff_t>(before), found.end()), found.end());
       }
@@ -101,12 +101,16 @@ class CreaseFinder {
     return contacts;
   }
 
-  const MapPlane& plane(int32_t id) const { return planes_.planes[static_cast<size_t>(id)]; }
-
-  double noise_of(int32_t id) const { return std::max(planes_.noise_m, plane(id).sigma_m); }
-  double support_distance_of(int32_t other) const {
-    return std::max(options_.support_distance_m, 6.0 * noise_of(other));
+  void add_contacts(uint32_t leaf, std::span<const int32_t> planes_a, std::span<const int32_t> planes_b,
+                    std::vector<Contact>* found) const {
+    for (const int32_t a : planes_a) {
+      for (const int32_t b : planes_b) {
+        if (a != b && angle_in_range(a, b)) found->push_back({std::minmax(a, b), leaf});
+      }
+    }
   }
+
+  const MapPlane& plane(int32_t id) const { return planes_.planes[static_cast<size_t>(id)]; }
 
   bool angle_in_range(int32_t a, int32_t b) const { return std::abs(plane(a).normal.dot(plane(b).normal)) < max_cos_; }
 
@@ -145,14 +149,12 @@ class CreaseFinder {
     double begin = std::numeric_limits<double>::max();
     double end = -begin;
     std::vector<uint32_t> around;
-    std::vector<uint32_t> neighbors;
     for (const uint32_t leaf : leaves) {
       const double t = line->direction.dot(map_.center(map_.leaf_layer(), leaf) - line->point);
       begin = std::min(begin, t);
       end = std::max(end, t);
       around.push_back(leaf);
-      map_.neighbors(map_.leaf_layer(), leaf, false, &neighbors);
-      around.insert(around.end(), neighbors.begin(), neighbors.end());
+      around.insert(around.end(), neighbors_[leaf].begin(), neighbors_[leaf].end());
     }
     std::sort(around.begin(), around.end());
     around.erase(std::unique(around.begin(), around.end()), around.end());
@@ -168,9 +170,7 @@ class CreaseFinder {
   Support support_of(int32_t id, int32_t other, const Line& line, const std::vector<uint32_t>& leaves,
                      const Range& range) const {
     const Eigen::Vector3d side = line.direction.cross(plane(id).normal);
-    const double keep_off = 3.0 * noise_of(other);
-    // The strip must be wider than the noise of the other plane, which its points cannot be told from.
-    const double support_distance = support_distance_of(other);
+    const double keep_off = 3.0 * planes_.noise_m;
     Support support(static_cast<size_t>(range.num_bins));
     for (const uint32_t leaf : leaves) {
       for (uint32_t i = map_.points_begin(map_.leaf_layer(), leaf); i < map_.points_end(map_.leaf_layer(), leaf); ++i) {
@@ -179,7 +179,7 @@ class CreaseFinder {
         const double s = side.dot(x - line.point);
         const double t = line.direction.dot(x - line.point);
         const int bin = static_cast<int>(std::floor((t - range.begin) / kBin));
-        if (bin < 0 || bin >= range.num_bins || std::abs(s) > support_distance) continue;
+        if (bin < 0 || bin >= range.num_bins || std::abs(s) > support_distance_) continue;
         const size_t k = static_cast<size_t>(bin);
         support.nearest[k] = std::min(support.nearest[k], static_cast<float>(std::abs(s)));
         ++support.points[k];
@@ -194,7 +194,7 @@ class CreaseFinder {
 
   // The plane has points of its own in the bin, and around it reaches the line; otherwise the two only hang close to
   // each other.
-  std::vector<bool> supported_bins(const Support& support, int32_t other) const {
+  std::vector<bool> supported_bins(const Support& support) const {
     const int bins = static_cast<int>(support.nearest.size());
     std::vector<int> own;
     for (size_t k = 0; k < support.left.size(); ++k) {
@@ -221,7 +221,7 @@ class CreaseFinder {
       const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
       std::nth_element(nearest.begin(), middle, nearest.end());
       // Mean distance between neighbouring points of the strip along its width, were they spread evenly over it.
-      const double spacing = support_distance_of(other) * static_cast<double>(nearest.size()) / points;
+      const double spacing = support_distance_ * static_cast<double>(nearest.size()) / points;
       supported.push_back(*middle < options_.max_gap_m + std::min(spacing, options_.max_gap_m));
     }
     return supported;
@@ -230,8 +230,8 @@ class CreaseFinder {
   // Runs of bins in which both planes have points; up to three missing bins between supported ones are bridged.
   std::vector<MapEdge> edges_along(const PlanePair& pair, const Line& line, const Range& range, const Support& a,
                                    const Support& b) const {
-    const std::vector<bool> supported_a = supported_bins(a, pair.second);
-    const std::vector<bool> supported_b = supported_bins(b, pair.first);
+    const std::vector<bool> supported_a = supported_bins(a);
+    const std::vector<bool> supported_b = supported_bins(b);
     const auto supported = [&](int k) {
       return supported_a[static_cast<size_t>(k)] && supported_b[static_cast<size_t>(k)];
     };
@@ -319,9 +319,11 @@ class CreaseFinder {
   static constexpr double kMinShare = 0.1;  // of the middle number of points a bin, where a plane is taken to end
 
   const VoxelMap& map_;
+  const LeafNeighbors& neighbors_;
   const PlaneSegmentation& planes_;
   const CreaseEdgeOptions& options_;
   double max_cos_;
+  double support_distance_;
 };
 
 }  // namespace
@@ -340,7 +342,10 @@ std::vector<MapEdge> find_crease_edges(const VoxelMap& map, const PlaneSegmentat
                                        const CreaseEdgeOptions& options) {
   options.validate();
   if (map.num_points() == 0) return {};
-  return CreaseFinder(map, planes, options).run();
+  const LeafNeighbors neighbors(map);
+  PlaneSegmentation surfaces = planes;
+  merge_layers(map, neighbors, &surfaces);
+  return CreaseFinder(map, neighbors, surfaces, options).run();
 }
 
 }  // namespace cpplus

@@ -25,7 +25,7 @@ constexpr double kNormalSigma = 0.005;  // rad, of a narrow strip that takes its
 // Points of the plane around the piece, off the other plane.
 std::vector<Eigen::Vector3d> points_near(const VoxelMap& map, const PlaneSegmentation& planes, int32_t id,
                                          int32_t other, const LinePiece& piece, double distance) {
-  const double keep_off = kSignificance * std::max(planes.noise_m, planes.planes[static_cast<size_t>(other)].sigma_m);
+  const double keep_off = kSignificance * planes.noise_m;
   const double along = 0.5 * piece.length + 0.5 * distance;
   const double reach = std::hypot(along, distance) + map.options().leaf_size_m * std::sqrt(3.0);
   const MapPlane& other_plane = planes.planes[static_cast<size_t>(other)];

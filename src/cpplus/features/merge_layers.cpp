@@ -10,6 +10,7 @@
 #include "cpplus/core/parallel.h"
 #include "cpplus/features/leaf_planes.h"
 #include "cpplus/features/refit_planes.h"
+#include "cpplus/features/settle_points.h"
 
 namespace cpplus {
 namespace {
@@ -187,14 +188,15 @@ class LayerMerger {
 
 }  // namespace
 
-void merge_layers(const VoxelMap& map, const LeafNeighbors& neighbors, int min_plane_points,
-                  PlaneSegmentation* planes) {
+void merge_layers(const VoxelMap& map, const LeafNeighbors& neighbors, PlaneSegmentation* planes) {
   const std::vector<int32_t> root = LayerMerger(map, neighbors, *planes).run();
   std::vector<int32_t> plane_of_point = planes->plane_of_point;
   for (int32_t& id : plane_of_point) {
     if (id >= 0) id = root[static_cast<size_t>(id)];
   }
-  refit_planes(map, plane_of_point, min_plane_points, planes);
+  refit_planes(map, plane_of_point, 1, planes);
+  // The layers have lost the points near corners to planes that were nearer than they, but not than the whole is.
+  settle_points(map, neighbors, SettlePointsOptions(), planes);
 }
 
 }  // namespace cpplus

@@ -7,9 +7,9 @@
 namespace cpplus {
 
 /// Where the noise across a surface is larger than the map's usual noise (walls see all of the range noise, floors only
-/// the part across them) growth splits the surface into parallel layers: a middle one and its tails. Joins two planes
-/// that lie over each other when the points of both, counted by their distance, have one mode; the faces of a board
-/// have two and stay apart. Points get the number of the larger plane; the planes are fitted again.
-void merge_layers(const VoxelMap& map, const LeafNeighbors& neighbors, int min_plane_points, PlaneSegmentation* planes);
+/// the part across them) growth splits the surface into parallel layers: a middle one and its tails. Joins planes that
+/// lie over each other when the points of both, counted by their distance, have one mode; the faces of a board have two
+/// and stay apart. Then every point is settled again (settle_points).
+void merge_layers(const VoxelMap& map, const LeafNeighbors& neighbors, PlaneSegmentation* planes);
 
 }  // namespace cpplus

@@ -7,7 +7,6 @@
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/features/leaf_neighbors.h"
-#include "cpplus/features/merge_layers.h"
 #include "cpplus/features/moments.h"
 #include "cpplus/features/settle_points.h"
 
@@ -45,7 +44,6 @@ class PlaneGrower {
     for (const std::vector<Seed>& layer : seeds) {
       for (const Seed& seed : layer) grow(seed);
     }
-    merge_layers(map_, neighbors_, options_.min_plane_points, &result_);
     settle_points(map_, neighbors_, {options_.max_distance_sigmas, options_.min_plane_points}, &result_);
     return std::move(result_);
   }

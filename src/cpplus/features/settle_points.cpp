@@ -10,8 +10,8 @@
 namespace cpplus {
 namespace {
 
-// A plane's own spread, but no less than the noise of the map.
-double reach_of(const MapPlane& plane, double noise_m) { return std::max(plane.sigma_m, noise_m); }
+// A plane's own spread, kept near the noise of the map: relief must not buy it points.
+double reach_of(const MapPlane& plane, double noise_m) { return std::clamp(plane.sigma_m, noise_m, 1.5 * noise_m); }
 
 // The plane of each point after the change.
 std::vector<int32_t> nearest_planes(const VoxelMap& map, const LeafNeighbors& neighbors, double max_sigmas,
