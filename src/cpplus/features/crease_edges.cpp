@@ -298,22 +298,29 @@ class CreaseFinder {
       edge.normal_b = b->normal;
       edge.inward_a = side_a * direction.cross(plane(pair.first).normal).normalized();
       edge.inward_b = side_b * direction.cross(plane(pair.second).normal).normalized();
-      edge.covariance = covariance_of(*a, *b, direction);
+      edge.covariance = covariance_of(*a, *b, direction, side_a != 0 && side_b != 0);
       edge.group = group;
       edges->push_back(edge);
     }
   }
 
   // Position errors e of the two planes along their normals move the line by d with normal_a d = e_a, normal_b d = e_b.
-  Eigen::Matrix3d covariance_of(const LocalPlane& a, const LocalPlane& b, const Eigen::Vector3d& direction) const {
+  Eigen::Matrix3d covariance_of(const LocalPlane& a, const LocalPlane& b, const Eigen::Vector3d& direction,
+                                bool both_end) const {
     Eigen::Matrix3d system;
     system << a.normal.transpose(), b.normal.transpose(), direction.transpose();
     const Eigen::Matrix3d from_errors = system.inverse();
     const double map_variance = options_.map_sigma_m * options_.map_sigma_m;
     const Eigen::Vector3d variances(a.offset_variance + map_variance, b.offset_variance + map_variance, 0.0);
-    return from_errors * variances.asDiagonal() * from_errors.transpose();
+    Eigen::Matrix3d covariance = from_errors * variances.asDiagonal() * from_errors.transpose();
+    if (!both_end) {
+      covariance += kBehindSigma * kBehindSigma * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+    }
+    return covariance;
   }
 
+  // Where a plane goes on behind the edge, the thing before it often ends short of it (docs/map_edges.md), metres.
+  static constexpr double kBehindSigma = 0.012;
   static constexpr int kMaxGapBins = 3;
   static constexpr int kWindow = 2;         // bins to each side that tell whether a plane reaches the line
   static constexpr double kMinShare = 0.1;  // of the middle number of points a bin, where a plane is taken to end

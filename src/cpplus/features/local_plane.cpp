@@ -181,7 +181,8 @@ std::optional<double> step_from_line(const std::vector<Sample>& samples, const L
     if (gain <= best_gain) continue;
     best_gain = gain;
     best_step = step;
-    best = static_cast<double>(k + 1) * kStrip;
+    // Without the last strip, where there are others: the step may lie in it.
+    best = static_cast<double>(near.n - strips[k].n < kMinPoints ? k + 1 : k) * kStrip;
   }
   constexpr double kStepSignificance = 5.0;  // standard deviations; the best of many places is looked at
   if (best_gain < kStepSignificance * kStepSignificance * variance || std::abs(best_step) < kMinStep)
