@@ -6,11 +6,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <tuple>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/features/leaf_neighbors.h"
 #include "cpplus/features/leaf_planes.h"
 #include "cpplus/features/local_plane.h"
+#include "cpplus/features/merge_layers.h"
 
 namespace cpplus {
 namespace {
@@ -39,8 +42,10 @@ std::optional<Line> intersect(const Eigen::Vector3d& normal_a, const Eigen::Vect
 
 class CreaseFinder {
  public:
-  CreaseFinder(const VoxelMap& map, const PlaneSegmentation& planes, const CreaseEdgeOptions& options)
+  CreaseFinder(const VoxelMap& map, const LeafNeighbors& neighbors, const PlaneSegmentation& planes,
+               const CreaseEdgeOptions& options)
       : map_(map),
+        neighbors_(neighbors),
         planes_(planes),
         options_(options),
         max_cos_(std::cos(options.min_angle_deg * std::numbers::pi / 180.0)),
@@ -79,20 +84,13 @@ class CreaseFinder {
     std::vector<std::vector<Contact>> chunks((num_leaves + kGrain - 1) / kGrain);
     parallel_for_chunks(num_leaves, kGrain, [&](size_t begin, size_t end) {
       std::vector<Contact>& found = chunks[begin / kGrain];
-      std::vector<uint32_t> neighbors;
       for (size_t k = begin; k < end; ++k) {
         const uint32_t leaf = static_cast<uint32_t>(k);
         if (planes_of_leaf[leaf].empty()) continue;
-        map_.neighbors(map_.leaf_layer(), leaf, false, &neighbors);
-        neighbors.push_back(leaf);
         const size_t before = found.size();
-        for (const uint32_t neighbor : neighbors) {
-          for (const int32_t a : planes_of_leaf[leaf]) {
-            for (const int32_t b : planes_of_leaf[neighbor]) {
-              if (a != b && angle_in_range(a, b)) found.push_back({std::minmax(a, b), leaf});
-            }
-          }
-        }
+        add_contacts(leaf, planes_of_leaf[leaf], planes_of_leaf[leaf], &found);
+        for (const uint32_t neighbor : neighbors_[leaf])
+          add_contacts(leaf, planes_of_leaf[leaf], planes_of_leaf[neighbor], &found);
         std::sort(found.begin() + static_cast<std::ptrdiff_t>(before), found.end());
         found.erase(std::unique(found.begin() + static_cast<std::ptrdiff_t>(before), found.end()), found.end());
       }
@@ -101,6 +99,15 @@ class CreaseFinder {
     for (const std::vector<Contact>& chunk : chunks) contacts.insert(contacts.end(), chunk.begin(), chunk.end());
     std::sort(contacts.begin(), contacts.end());
     return contacts;
+  }
+
+  void add_contacts(uint32_t leaf, std::span<const int32_t> planes_a, std::span<const int32_t> planes_b,
+                    std::vector<Contact>* found) const {
+    for (const int32_t a : planes_a) {
+      for (const int32_t b : planes_b) {
+        if (a != b && angle_in_range(a, b)) found->push_back({std::minmax(a, b), leaf});
+      }
+    }
   }
 
   const MapPlane& plane(int32_t id) const { return planes_.planes[static_cast<size_t>(id)]; }
@@ -142,14 +149,12 @@ class CreaseFinder {
     double begin = std::numeric_limits<double>::max();
     double end = -begin;
     std::vector<uint32_t> around;
-    std::vector<uint32_t> neighbors;
     for (const uint32_t leaf : leaves) {
       const double t = line->direction.dot(map_.center(map_.leaf_layer(), leaf) - line->point);
       begin = std::min(begin, t);
       end = std::max(end, t);
       around.push_back(leaf);
-      map_.neighbors(map_.leaf_layer(), leaf, false, &neighbors);
-      around.insert(around.end(), neighbors.begin(), neighbors.end());
+      around.insert(around.end(), neighbors_[leaf].begin(), neighbors_[leaf].end());
     }
     std::sort(around.begin(), around.end());
     around.erase(std::unique(around.begin(), around.end()), around.end());
@@ -293,27 +298,35 @@ class CreaseFinder {
       edge.normal_b = b->normal;
       edge.inward_a = side_a * direction.cross(plane(pair.first).normal).normalized();
       edge.inward_b = side_b * direction.cross(plane(pair.second).normal).normalized();
-      edge.covariance = covariance_of(*a, *b, direction);
+      edge.covariance = covariance_of(*a, *b, direction, side_a != 0 && side_b != 0);
       edge.group = group;
       edges->push_back(edge);
     }
   }
 
   // Position errors e of the two planes along their normals move the line by d with normal_a d = e_a, normal_b d = e_b.
-  Eigen::Matrix3d covariance_of(const LocalPlane& a, const LocalPlane& b, const Eigen::Vector3d& direction) const {
+  Eigen::Matrix3d covariance_of(const LocalPlane& a, const LocalPlane& b, const Eigen::Vector3d& direction,
+                                bool both_end) const {
     Eigen::Matrix3d system;
     system << a.normal.transpose(), b.normal.transpose(), direction.transpose();
     const Eigen::Matrix3d from_errors = system.inverse();
     const double map_variance = options_.map_sigma_m * options_.map_sigma_m;
     const Eigen::Vector3d variances(a.offset_variance + map_variance, b.offset_variance + map_variance, 0.0);
-    return from_errors * variances.asDiagonal() * from_errors.transpose();
+    Eigen::Matrix3d covariance = from_errors * variances.asDiagonal() * from_errors.transpose();
+    if (!both_end) {
+      covariance += kBehindSigma * kBehindSigma * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+    }
+    return covariance;
   }
 
+  // Where a plane goes on behind the edge, the thing before it often ends short of it (docs/map_edges.md), metres.
+  static constexpr double kBehindSigma = 0.012;
   static constexpr int kMaxGapBins = 3;
   static constexpr int kWindow = 2;         // bins to each side that tell whether a plane reaches the line
   static constexpr double kMinShare = 0.1;  // of the middle number of points a bin, where a plane is taken to end
 
   const VoxelMap& map_;
+  const LeafNeighbors& neighbors_;
   const PlaneSegmentation& planes_;
   const CreaseEdgeOptions& options_;
   double max_cos_;
@@ -336,7 +349,10 @@ std::vector<MapEdge> find_crease_edges(const VoxelMap& map, const PlaneSegmentat
                                        const CreaseEdgeOptions& options) {
   options.validate();
   if (map.num_points() == 0) return {};
-  return CreaseFinder(map, planes, options).run();
+  const LeafNeighbors neighbors(map);
+  PlaneSegmentation surfaces = planes;
+  merge_layers(map, neighbors, &surfaces);
+  return CreaseFinder(map, neighbors, surfaces, options).run();
 }
 
 }  // namespace cpplus

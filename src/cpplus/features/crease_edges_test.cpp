@@ -92,6 +92,24 @@ TEST(CreaseEdges, TwoCentimetresOfNoiseMoveACornerByMillimetres) {
   EXPECT_LT(angles.back(), 0.8);
 }
 
+TEST(CreaseEdges, ASkirtingBoardAsThinAsTheNoiseMeetsTheFloorWhereItStands) {
+  Random random(8);
+  PointCloud cloud;
+  constexpr double kThickness = 0.015;
+  constexpr double kHeight = 0.1;
+  add_surface({0, 0, 0}, {3, 0, 0}, {0, 3, 0}, 4000, 0.008, &random, &cloud);
+  add_surface({0, 0, kHeight}, {3, 0, 0}, {0, 0, 2.4}, 6000, 0.015, &random, &cloud);
+  add_surface({0, kThickness, 0}, {3, 0, 0}, {0, 0, kHeight}, 6000, 0.015, &random, &cloud);
+  double length = 0.0;
+  for (const MapEdge& edge : creases_of(cloud)) {
+    EXPECT_GT(std::abs(edge.direction().x()), 0.999);
+    EXPECT_NEAR(0.5 * (edge.start.y() + edge.end.y()), kThickness, 0.007);
+    EXPECT_NEAR(0.5 * (edge.start.z() + edge.end.z()), 0.0, 0.002);
+    length += edge.length();
+  }
+  EXPECT_GT(length, 2.5);
+}
+
 TEST(CreaseEdges, EndPointsAreThoseOfTheSurfaces) {
   // A step: floor, riser 1 m wide; the crease at the riser's foot is 1 m long although the floor goes on.
   Random random(4);

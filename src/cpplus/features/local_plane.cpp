@@ -17,6 +17,10 @@ constexpr double kCell = 0.2;          // metres; errors of points in one cell a
 constexpr double kMaxSlope = 0.1;      // rad, beyond what noise explains
 constexpr double kMaxRoughness = 3.0;  // RMS distance from the plane in units of the map's noise
 constexpr double kSignificance = 3.0;  // standard deviations
+constexpr double kStrip = 0.02;        // metres; width of the strips along the line whose means are compared
+constexpr double kMinStep = 0.005;     // metres; smaller steps are within what maps are bent
+constexpr int kMaxRounds = 4;
+constexpr double kNormalSigma = 0.005;  // rad, of a narrow strip that takes its normal from the plane beyond it
 
 // Points of the plane around the piece, off the other plane.
 std::vector<Eigen::Vector3d> points_near(const VoxelMap& map, const PlaneSegmentation& planes, int32_t id,
@@ -41,23 +45,41 @@ std::vector<Eigen::Vector3d> points_near(const VoxelMap& map, const PlaneSegment
   return points;
 }
 
+// A point as seen along the piece.
+struct Sample {
+  Eigen::Vector3d x;
+  double along;
+  double from_line;
+};
+
+std::vector<Sample> samples_of(const std::vector<Eigen::Vector3d>& points, const LinePiece& piece) {
+  std::vector<Sample> samples;
+  samples.reserve(points.size());
+  for (const Eigen::Vector3d& x : points) {
+    const Eigen::Vector3d d = x - piece.middle;
+    const double along = piece.direction.dot(d);
+    samples.push_back({x, along, (d - along * piece.direction).norm()});
+  }
+  return samples;
+}
+
+// The plane through the samples from `begin` to `end` metres from the line.
 class LocalFit {
  public:
-  LocalFit(const std::vector<Eigen::Vector3d>& points, const MapPlane& plane, const LinePiece& piece, double distance)
-      : points_(points), piece_(piece), distance_(distance), moments_(piece.middle), fit_{plane.normal, {}, 0.0} {
-    for (const Eigen::Vector3d& x : points) {
-      if (from_line(x) <= distance) moments_.add(x);
+  LocalFit(const std::vector<Sample>& samples, const Eigen::Vector3d& normal, const LinePiece& piece, double begin,
+           double end)
+      : samples_(samples), piece_(piece), begin_(begin), end_(end), moments_(piece.middle), fit_{normal, {}, 0.0} {
+    for (const Sample& sample : samples) {
+      if (holds(sample)) moments_.add(sample.x);
     }
-    if (moments_.count() < kMinPoints) {
-      fit_.centroid = plane.centroid;
-      return;
-    }
+    if (!has_points()) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(moments_.covariance());
     fit_.centroid = moments_.mean();
     // A narrow strip (a door frame) does not hold its own slope: keep the plane's.
-    if (eigen.eigenvalues()(1) > 25.0 * eigen.eigenvalues()(0)) {
-      const Eigen::Vector3d normal = eigen.eigenvectors().col(0);
-      fit_.normal = normal.dot(plane.normal) > 0 ? normal : Eigen::Vector3d(-normal);
+    has_own_normal_ = eigen.eigenvalues()(1) > 25.0 * eigen.eigenvalues()(0);
+    if (has_own_normal_) {
+      const Eigen::Vector3d own = eigen.eigenvectors().col(0);
+      fit_.normal = own.dot(normal) > 0 ? own : Eigen::Vector3d(-own);
     }
     set_variance();
   }
@@ -65,14 +87,16 @@ class LocalFit {
   bool has_points() const { return moments_.count() >= kMinPoints; }
   const LocalPlane& fit() const { return fit_; }
   double sigma() const { return sigma_; }
+  double distance_of(const Sample& sample) const { return fit_.normal.dot(sample.x - fit_.centroid); }
+  bool holds(const Sample& sample) const { return sample.from_line >= begin_ && sample.from_line <= end_; }
 
   // Of the points up to a third of the distance.
   bool near_points_agree(double noise_m) const {
     double n = 0, s = 0, ss = 0, w = 0, sw = 0, ww = 0;
-    for (const Eigen::Vector3d& x : points_) {
-      const double from = from_line(x);
-      if (from > distance_ / 3.0) continue;
-      const double distance = fit_.normal.dot(x - fit_.centroid);
+    for (const Sample& sample : samples_) {
+      const double from = sample.from_line;
+      if (from > end_ / 3.0) continue;
+      const double distance = distance_of(sample);
       n += 1, s += from, ss += from * from, w += distance, sw += from * distance, ww += distance * distance;
     }
     if (n < 10) return true;
@@ -86,11 +110,6 @@ class LocalFit {
   }
 
  private:
-  double from_line(const Eigen::Vector3d& x) const {
-    const Eigen::Vector3d d = x - piece_.middle;
-    return (d - piece_.direction.dot(d) * piece_.direction).norm();
-  }
-
   // Variance of the mean distance, from the means of cells: the noise of a map is not independent from point to point.
   // The offset of a fitted plane at distance s from its centroid has 1 + s^2 / var(s) times that.
   void set_variance() {
@@ -100,12 +119,11 @@ class LocalFit {
     };
     std::map<std::pair<int, int>, Cell> cells;
     double squares = 0.0;
-    for (const Eigen::Vector3d& x : points_) {
-      if (from_line(x) > distance_) continue;
-      const Eigen::Vector3d d = x - piece_.middle;
-      const double distance = fit_.normal.dot(x - fit_.centroid);
-      Cell& cell = cells[{static_cast<int>(std::floor(piece_.direction.dot(d) / kCell)),
-                          static_cast<int>(std::floor(side.dot(d) / kCell))}];
+    for (const Sample& sample : samples_) {
+      if (!holds(sample)) continue;
+      const double distance = distance_of(sample);
+      Cell& cell = cells[{static_cast<int>(std::floor(sample.along / kCell)),
+                          static_cast<int>(std::floor(side.dot(sample.x - piece_.middle) / kCell))}];
       cell.count += 1;
       cell.sum += distance;
       squares += distance * distance;
@@ -118,27 +136,90 @@ class LocalFit {
     variance = std::max(variance, of_cells / (n * n));
     const double lever = side.dot(piece_.middle - fit_.centroid);
     const double extent = std::max(1e-4, side.dot(moments_.covariance() * side));
-    fit_.offset_variance = variance * (1.0 + lever * lever / extent);
+    fit_.offset_variance = has_own_normal_ ? variance * (1.0 + lever * lever / extent)
+                                           : variance + kNormalSigma * kNormalSigma * lever * lever;
   }
 
-  const std::vector<Eigen::Vector3d>& points_;
+  const std::vector<Sample>& samples_;
   const LinePiece& piece_;
-  double distance_;
+  double begin_;
+  double end_;
   Moments moments_;
   LocalPlane fit_;
+  bool has_own_normal_ = false;
   double sigma_ = 0.0;
 };
+
+// How far from the line the surface steps, if it does: relief below the noise of a point (a skirting board) shows in
+// the means of strips along the line. Nothing where a parabola explains the strips as well: that surface is curved.
+std::optional<double> step_from_line(const std::vector<Sample>& samples, const LocalFit& fit, double end) {
+  struct Sums {
+    double n = 0, w = 0;
+  };
+  std::vector<Sums> strips(static_cast<size_t>(std::ceil(end / kStrip)) + 1);
+  Sums all;
+  double ww = 0.0;
+  for (const Sample& sample : samples) {
+    if (!fit.holds(sample)) continue;
+    const double w = fit.distance_of(sample);
+    Sums& strip = strips[static_cast<size_t>(sample.from_line / kStrip)];
+    strip.n += 1, strip.w += w;
+    all.n += 1, all.w += w;
+    ww += w * w;
+  }
+  const double variance = ww / all.n - all.w * all.w / all.n / all.n;
+  double best_gain = 0.0;
+  double best = 0.0;
+  double best_step = 0.0;
+  Sums near;
+  for (size_t k = 0; k + 1 < strips.size(); ++k) {
+    near.n += strips[k].n, near.w += strips[k].w;
+    const Sums far{all.n - near.n, all.w - near.w};
+    if (near.n < kMinPoints || far.n < kMinPoints) continue;
+    const double step = near.w / near.n - far.w / far.n;
+    const double gain = near.n * far.n / all.n * step * step;
+    if (gain <= best_gain) continue;
+    best_gain = gain;
+    best_step = step;
+    // Without the last strip, where there are others: the step may lie in it.
+    best = static_cast<double>(near.n - strips[k].n < kMinPoints ? k + 1 : k) * kStrip;
+  }
+  constexpr double kStepSignificance = 5.0;  // standard deviations; the best of many places is looked at
+  if (best_gain < kStepSignificance * kStepSignificance * variance || std::abs(best_step) < kMinStep)
+    return std::nullopt;
+  Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (size_t k = 0; k < strips.size(); ++k) {
+    const double s = (static_cast<double>(k) + 0.5) * kStrip / end;
+    const Eigen::Vector3d powers(1.0, s, s * s);
+    normal_matrix += strips[k].n * powers * powers.transpose();
+    right += strips[k].w * powers;
+  }
+  const double parabola_gain = right.dot(normal_matrix.ldlt().solve(right)) - all.w * all.w / all.n;
+  if (parabola_gain > best_gain) return std::nullopt;
+  return best;
+}
 
 }  // namespace
 
 std::optional<LocalPlane> fit_local_plane(const VoxelMap& map, const PlaneSegmentation& planes, int32_t id,
                                           int32_t other, const LinePiece& piece, double fit_distance_m) {
-  const std::vector<Eigen::Vector3d> points = points_near(map, planes, id, other, piece, fit_distance_m);
+  const std::vector<Sample> samples = samples_of(points_near(map, planes, id, other, piece, fit_distance_m), piece);
   const MapPlane& plane = planes.planes[static_cast<size_t>(id)];
-  for (const double distance : {fit_distance_m, 0.5 * fit_distance_m}) {
-    const LocalFit fit(points, plane, piece, distance);
+  const double noise_m = std::max(plane.sigma_m, planes.noise_m);
+  Eigen::Vector3d normal = plane.normal;
+  double end = fit_distance_m;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const LocalFit fit(samples, normal, piece, 0.0, end);
     if (!fit.has_points()) return std::nullopt;
-    if (fit.near_points_agree(planes.noise_m)) return fit.fit();
+    if (const std::optional<double> step = step_from_line(samples, fit, end)) {
+      const LocalFit beyond(samples, normal, piece, *step, end);
+      if (beyond.has_points()) normal = beyond.fit().normal;
+      end = *step;
+      continue;
+    }
+    if (fit.near_points_agree(noise_m)) return fit.fit();
+    end *= 0.5;
   }
   return std::nullopt;
 }

@@ -114,12 +114,12 @@ TEST(SlowMapEdges, CreasesOfSimulatedRooms) {
               kStep * static_cast<double>(borders.samples), 1e3 * median(borders.distances_m),
               median(borders.angles_deg), 100.0 * borders.false_share());
   ASSERT_GT(kStep * static_cast<double>(ceilings.distances_m.size()), 20.0);
-  EXPECT_LT(median(ceilings.distances_m), 0.003);
-  EXPECT_LT(median(ceilings.angles_deg), 0.2);
+  EXPECT_LT(median(ceilings.distances_m), 0.002);
+  EXPECT_LT(median(ceilings.angles_deg), 0.1);
   ASSERT_GT(kStep * static_cast<double>(creases.samples), 100.0);
-  EXPECT_LT(median(creases.distances_m), 0.013);
-  EXPECT_LT(median(creases.angles_deg), 0.35);
-  EXPECT_LT(creases.false_share(), 0.45);
+  EXPECT_LT(median(creases.distances_m), 0.003);
+  EXPECT_LT(median(creases.angles_deg), 0.2);
+  EXPECT_LT(creases.false_share(), 0.24);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/features/leaf_neighbors.h"
 #include "cpplus/features/moments.h"
 #include "cpplus/features/settle_points.h"
 
@@ -26,10 +27,12 @@ struct LeafSurface {
 class PlaneGrower {
  public:
   PlaneGrower(const VoxelMap& map, const PlaneSegmentationOptions& options)
-      : map_(map), options_(options), min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
+      : map_(map),
+        options_(options),
+        neighbors_(map),
+        min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
     result_.plane_of_point.assign(map.num_points(), PlaneSegmentation::kNone);
     visited_by_.assign(map.num_nodes(map.leaf_layer()), -1);
-    collect_neighbors();
     collect_surfaces();
   }
 
@@ -41,31 +44,11 @@ class PlaneGrower {
     for (const std::vector<Seed>& layer : seeds) {
       for (const Seed& seed : layer) grow(seed);
     }
-    settle_points(map_, {options_.max_distance_sigmas, options_.min_plane_points}, &result_);
+    settle_points(map_, neighbors_, {options_.max_distance_sigmas, options_.min_plane_points}, &result_);
     return std::move(result_);
   }
 
  private:
-  void collect_neighbors() {
-    const int leaf_layer = map_.leaf_layer();
-    const uint32_t num_leaves = map_.num_nodes(leaf_layer);
-    constexpr size_t kGrain = 4096;
-    std::vector<std::vector<uint32_t>> chunk_neighbors((num_leaves + kGrain - 1) / kGrain);
-    neighbors_begin_.assign(num_leaves + 1, 0);
-    parallel_for_chunks(num_leaves, kGrain, [&](size_t begin, size_t end) {
-      std::vector<uint32_t> found;
-      std::vector<uint32_t>& all = chunk_neighbors[begin / kGrain];
-      for (size_t leaf = begin; leaf < end; ++leaf) {
-        map_.neighbors(leaf_layer, static_cast<uint32_t>(leaf), false, &found);
-        neighbors_begin_[leaf + 1] = static_cast<uint32_t>(found.size());
-        all.insert(all.end(), found.begin(), found.end());
-      }
-    });
-    for (uint32_t leaf = 0; leaf < num_leaves; ++leaf) neighbors_begin_[leaf + 1] += neighbors_begin_[leaf];
-    neighbors_.reserve(neighbors_begin_[num_leaves]);
-    for (const auto& chunk : chunk_neighbors) neighbors_.insert(neighbors_.end(), chunk.begin(), chunk.end());
-  }
-
   void collect_surfaces() {
     const int leaf_layer = map_.leaf_layer();
     const uint32_t num_leaves = map_.num_nodes(leaf_layer);
@@ -75,9 +58,7 @@ class PlaneGrower {
         const uint32_t leaf = static_cast<uint32_t>(i);
         Moments moments(map_.center(leaf_layer, leaf));
         moments.add(map_.statistics(leaf_layer, leaf));
-        for (uint32_t n = neighbors_begin_[leaf]; n < neighbors_begin_[leaf + 1]; ++n) {
-          moments.add(map_.statistics(leaf_layer, neighbors_[n]));
-        }
+        for (const uint32_t neighbor : neighbors_[leaf]) moments.add(map_.statistics(leaf_layer, neighbor));
         if (moments.count() < 8) continue;
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(moments.covariance());
         // Three times looser than a seed: a few noisy points must only not contradict the plane.
@@ -167,7 +148,7 @@ class PlaneGrower {
       const uint32_t leaf = frontier_[next];
       if (!claim(leaf, plane, id, &grown, &points)) continue;
       leaves.push_back(leaf);
-      for (uint32_t n = neighbors_begin_[leaf]; n < neighbors_begin_[leaf + 1]; ++n) push(neighbors_[n], id);
+      for (const uint32_t neighbor : neighbors_[leaf]) push(neighbor, id);
       if (grown.count() >= next_fit) {
         next_fit = grown.count() + grown.count() / 2;
         fit(grown, &plane);
@@ -227,11 +208,10 @@ class PlaneGrower {
 
   const VoxelMap& map_;
   const PlaneSegmentationOptions& options_;
+  LeafNeighbors neighbors_;
   double min_cos_;
   double noise_ = 0.0;
   PlaneSegmentation result_;
-  std::vector<uint32_t> neighbors_begin_;
-  std::vector<uint32_t> neighbors_;
   std::vector<LeafSurface> surfaces_;
   std::vector<int32_t> visited_by_;
   std::vector<uint32_t> frontier_;
