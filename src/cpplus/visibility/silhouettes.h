@@ -12,7 +12,7 @@
 namespace cpplus {
 
 struct SilhouetteOptions {
-  bool enabled = false;
+  bool enabled = true;
   /// Points farther than this from the camera are not looked at, metres. (0, inf)
   double max_distance_m = 40.0;
   /// Edge of a cell of the range image that outlines are traced in, pixels. [1, inf)
