@@ -47,15 +47,16 @@ std::vector<OverlaySegment> dashes(const std::vector<EdgeSample>& samples, const
   return segments;
 }
 
-void write_overlay(const RefineCommandOptions& options, const Camera& camera, const Rigid3& coarse,
-                   const RefinedImage& refined) {
-  if (options.debug_images.empty() || refined.samples.empty()) return;
-  const ColorImage image = read_color_image(image_path(options.images, refined.report.name));
+void write_overlay(const RefineCommandOptions& options, const MapFeatures& features, const Camera& camera,
+                   const Rigid3& coarse, const ImageReport& report) {
+  const EdgesInView view = find_edges_in_view(features, camera, report.camera_from_map, options.stages);
+  if (view.samples.empty()) return;
+  const ColorImage image = read_color_image(image_path(options.images, report.name));
   const std::vector<OverlaySegment> segments =
-      dashes(refined.samples, camera, coarse, options.stages.samples.spacing_px);
-  write_png(image_path(options.debug_images, refined.report.name + ".png"),
-            before_after_overlay(image, segments, camera, coarse, refined.report.camera_from_map, "before",
-                                 "after: " + status_name(refined.report.status)));
+      dashes(view.samples, camera, report.camera_from_map, options.stages.samples.spacing_px);
+  write_png(image_path(options.debug_images, report.name + ".png"),
+            before_after_overlay(image, segments, camera, coarse, report.camera_from_map, "before",
+                                 "after: " + status_name(report.status)));
 }
 
 RefineSummary summarise(const std::vector<ImageReport>& reports) {
@@ -109,6 +110,7 @@ class ModelRefiner {
       look_again();
       solve_together();
     }
+    if (!options_.debug_images.empty()) write_overlays();
     return reports_;
   }
 
@@ -138,12 +140,19 @@ class ModelRefiner {
       const size_t i = images[k];
       const PosedImage& image = model_.images[i];
       const Camera& camera = model_.cameras.at(image.camera_id);
-      const RefinedImage refined = refine_image(
+      reports_[i] = refine_image(
           features_, image.name, camera, image.camera_from_map, guesses_[i], [&] { return decode(i); },
           options_.stages);
-      write_overlay(options_, camera, image.camera_from_map, refined);
-      reports_[i] = refined.report;
       progress.advance();
+    });
+  }
+
+  void write_overlays() const {
+    parallel_for_each(reports_.size(), [&](size_t i) {
+      const ImageStatus status = reports_[i].status;
+      if (status != ImageStatus::kRefined && status != ImageStatus::kKeptCoarse) return;
+      const PosedImage& image = model_.images[i];
+      write_overlay(options_, features_, model_.cameras.at(image.camera_id), image.camera_from_map, reports_[i]);
     });
   }
 

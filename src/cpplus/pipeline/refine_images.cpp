@@ -41,13 +41,6 @@ PlaneBuffer hiding_planes(const MapFeatures& features, const Camera& camera, con
   return nothing_hidden;
 }
 
-// The map's edges, then the silhouettes of this view.
-std::vector<MapEdge> edges_of_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
-                                   const RefineImagesOptions& options) {
-  return concatenate_groups({features.edges, find_silhouettes(features.map, features.leaf_spacing, camera,
-                                                              camera_from_map, options.silhouettes)});
-}
-
 std::vector<Eigen::Vector3d> seen_surface(const PlaneBuffer& planes) {
   std::vector<Eigen::Vector3d> points;
   const double step = static_cast<double>(std::max(planes.camera.width(), planes.camera.height())) / kSurfacePoints;
@@ -90,18 +83,34 @@ MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOpti
   return features;
 }
 
-RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
-                          const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
-                          const std::function<GrayImage()>& decode, const RefineImagesOptions& options) {
-  RefinedImage result;
-  ImageReport& report = result.report;
+namespace {
+
+EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes, const RefineImagesOptions& options) {
+  EdgesInView view;
+  view.edges = concatenate_groups({features.edges, find_silhouettes(features.map, features.leaf_spacing, planes.camera,
+                                                                    planes.camera_from_map, options.silhouettes)});
+  view.samples = sample_visible_edges(view.edges, planes.camera, planes.camera_from_map, planes, options.samples);
+  return view;
+}
+
+}  // namespace
+
+EdgesInView find_edges_in_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
+                               const RefineImagesOptions& options) {
+  return edges_in_view(features, hiding_planes(features, camera, camera_from_map, options), options);
+}
+
+ImageReport refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
+                         const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
+                         const std::function<GrayImage()>& decode, const RefineImagesOptions& options) {
+  ImageReport report;
   report.name = name;
   report.camera_from_map = coarse_camera_from_map;
   report.refine.camera_from_map = coarse_camera_from_map;
   const auto finish = [&](ImageStatus status, const std::string& reason) {
     report.status = status;
     report.reason = reason;
-    return result;
+    return report;
   };
 
   Stopwatch watch;
@@ -124,16 +133,14 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
   }
   const PlaneBuffer planes = hiding_planes(features, camera, guess.camera_from_map, options);
   lap("visibility");
-  result.edges = edges_of_view(features, camera, guess.camera_from_map, options);
-  lap("silhouettes");
-  result.samples = sample_visible_edges(result.edges, camera, guess.camera_from_map, planes, options.samples);
-  report.num_map_edges = static_cast<int>(count_edges(result.samples));
-  lap("samples");
+  const EdgesInView view = edges_in_view(features, planes, options);
+  report.num_map_edges = static_cast<int>(count_edges(view.samples));
+  lap("map_edges");
 
   const ImageEdges image_edges = detect_image_edges(image, options.image_edges);
   lap("image_edges");
   report.refine =
-      refine_pose(camera, coarse_camera_from_map, guess, result.edges, result.samples, image_edges, options.refine);
+      refine_pose(camera, coarse_camera_from_map, guess, view.edges, view.samples, image_edges, options.refine);
   report.camera_from_map = report.refine.camera_from_map;
   lap("refine");
   const bool refined = report.refine.status == RefineStatus::kRefined;
@@ -143,11 +150,10 @@ RefinedImage refine_image(const MapFeatures& features, const std::string& name, 
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                              const GrayImage& image, const RefineImagesOptions& options) {
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
-  const std::vector<MapEdge> edges = edges_of_view(features, camera, camera_from_map, options);
-  const std::vector<EdgeSample> samples = sample_visible_edges(edges, camera, camera_from_map, planes, options.samples);
+  const EdgesInView seen = edges_in_view(features, planes, options);
   JointView view;
   view.edges =
-      EdgeEvidence(camera, camera_from_map, edges, samples, detect_image_edges(image, options.image_edges),
+      EdgeEvidence(camera, camera_from_map, seen.edges, seen.samples, detect_image_edges(image, options.image_edges),
                    kCandidateRadiusPx, options.refine.max_angle_deg);
   view.patches = prepare_patch_view(image, planes, options.patches);
   view.surface_in_map = seen_surface(planes);

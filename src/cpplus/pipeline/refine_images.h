@@ -64,18 +64,20 @@ struct MapFeatures {
 
 MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options);
 
-/// Everything known of one image after refinement.
-struct RefinedImage {
-  ImageReport report;
-  std::vector<MapEdge> edges;       // the map's, then the silhouettes of this view
-  std::vector<EdgeSample> samples;  // of those edges that it should see from its coarse pose
+/// The map's edges and the silhouettes of one view, and the samples that the camera should see.
+struct EdgesInView {
+  std::vector<MapEdge> edges;
+  std::vector<EdgeSample> samples;
 };
+
+EdgesInView find_edges_in_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
+                               const RefineImagesOptions& options);
 
 /// One image against the map. `decode` yields the grey image or throws Error, which becomes the status `unreadable`.
 /// `guess` is where the pose is looked for, the coarse pose what the result must beat.
-RefinedImage refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
-                          const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
-                          const std::function<GrayImage()>& decode, const RefineImagesOptions& options);
+ImageReport refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
+                         const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
+                         const std::function<GrayImage()>& decode, const RefineImagesOptions& options);
 
 /// What the joint solve needs of one image, seen from a pose that is nearly right.
 struct JointView {

@@ -38,4 +38,10 @@ Degeneracy analyse_information(const Matrix6d& information, const Vector6d& prio
   return degeneracy;
 }
 
+std::string least_known_direction(const Matrix6d& covariance, const Vector6d& prior_sigmas) {
+  const Vector6d inverse = prior_sigmas.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(inverse.asDiagonal() * covariance * inverse.asDiagonal());
+  return name_of(eigen.eigenvectors().col(5));
+}
+
 }  // namespace cpplus

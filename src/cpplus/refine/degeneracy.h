@@ -22,4 +22,7 @@ struct Degeneracy {
 /// unit, which is what makes eigenvalues of a mixed matrix comparable.
 Degeneracy analyse_information(const Matrix6d& information, const Vector6d& prior_sigmas);
 
+/// Name of the direction along which a pose of that covariance is least certain, in units of the prior.
+std::string least_known_direction(const Matrix6d& covariance, const Vector6d& prior_sigmas);
+
 }  // namespace cpplus

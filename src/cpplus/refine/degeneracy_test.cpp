@@ -68,5 +68,13 @@ TEST(AnalyseInformation, ComponentsThatMoveTogetherAreNamedTogether) {
               AllOf(HasSubstr("rotation y"), HasSubstr("translation x"), Not(HasSubstr("z"))));
 }
 
+TEST(LeastKnownDirection, IsTheOneOfLargestVarianceInPriorUnits) {
+  Vector6d variance = 0.01 * sigmas().cwiseProduct(sigmas());
+  variance(1) *= 50.0;
+  EXPECT_EQ(least_known_direction(variance.asDiagonal(), sigmas()), "rotation y");
+  variance(5) *= 90.0;
+  EXPECT_EQ(least_known_direction(variance.asDiagonal(), sigmas()), "translation z");
+}
+
 }  // namespace
 }  // namespace cpplus

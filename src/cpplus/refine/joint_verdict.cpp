@@ -13,6 +13,8 @@ namespace {
 constexpr int kMaxSolverIterations = 10;
 // Others place an image when they leave it uncertain by so many times what is accepted.
 constexpr double kPlacedByOthers = 2.0;
+// Log likelihood ratio that random edges hardly reach around one pose.
+constexpr double kMinLogRatioOfPlaced = 20.0;
 
 EdgeResidual summarise(std::vector<double> distances, double first_radius_px, double last_radius_px) {
   EdgeResidual residual;
@@ -55,7 +57,10 @@ class JointJudge {
     result.information_eigenvalues = degeneracy.eigenvalues;
     result.weak_directions = degeneracy.weak_directions;
     result.covariance = candidate_.pose.covariance;
-    result.predicted_shift_px = predicted_shift(candidate_.pose.covariance);
+    result.predicted_shift_px = predicted_shift(result.covariance);
+    if (result.weak_directions.empty() && result.predicted_shift_px > options_.max_predicted_shift_px) {
+      result.weak_directions.push_back(least_known_direction(result.covariance, options_.prior.sigmas()));
+    }
     result.held_out_before = before_;
     result.reason = objection(result);
     if (!result.reason.empty()) return result;
@@ -103,14 +108,12 @@ class JointJudge {
     // poses finds by chance.
     const bool placed_by_others =
         predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * options_.max_predicted_shift_px;
-    if (placed_by_others) {
-      return result.held_out_after.log_ratio > 0 ? "" : "the map's edges do not lie on image edges";
+    if (result.held_out_after.log_ratio < (placed_by_others ? kMinLogRatioOfPlaced : options_.min_log_ratio)) {
+      return "the map's edges do not lie on image edges more than by chance";
     }
+    if (placed_by_others) return "";
     if (result.num_matches < options_.min_samples || result.num_edges < options_.min_edges) {
       return "too few matched edges";
-    }
-    if (result.held_out_after.log_ratio < options_.min_log_ratio) {
-      return "the map's edges do not lie on image edges more than by chance";
     }
     if (result.held_out_after.log_ratio - before_.log_ratio < options_.min_log_gain) {
       return "held-out edges do not fit better than before";
