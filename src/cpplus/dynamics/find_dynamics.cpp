@@ -15,6 +15,7 @@ void DynamicsOptions::validate() const {
   check_option(ray_radius_m > 0.0, "ray_radius_m", "(0, inf)", ray_radius_m);
   check_option(min_gap_m >= 0.0, "min_gap_m", "[0, inf)", min_gap_m);
   check_option(surface_gap_m >= 0.0, "surface_gap_m", "[0, inf)", surface_gap_m);
+  check_option(range_gap >= 0.0 && range_gap < 1.0, "range_gap", "[0, 1)", range_gap);
   check_option(min_grazing_deg >= 0.0 && min_grazing_deg < 90.0, "min_grazing_deg", "[0, 90)", min_grazing_deg);
   check_option(plane_distance_m >= 0.0, "plane_distance_m", "[0, inf)", plane_distance_m);
   check_option(min_share >= 0.0, "min_share", "[0, inf)", min_share);

@@ -18,6 +18,8 @@ struct DynamicsOptions {
   double min_gap_m = 0.25;
   /// And this far, metres, above the plane that the point lies on: rays that graze it end earlier. [0, inf)
   double surface_gap_m = 0.1;
+  /// Or this share of the range, where the point lies on no plane that is known. [0, 1)
+  double range_gap = 0.04;
   /// Rays that meet a plane at less than this angle, degrees, do not see through it. [0, 90)
   double min_grazing_deg = 5.5;
   /// A scan that hits a plane beside a leaf does not see through the leaf within this distance of the plane, metres;
@@ -43,6 +45,8 @@ struct DynamicsOptions {
     visitor("min_gap_m", min_gap_m, "Rays end this far before the point that they hit, metres.");
     visitor("surface_gap_m", surface_gap_m,
             "And this far, metres, above the plane that the point lies on: rays that graze it end earlier.");
+    visitor("range_gap", range_gap,
+            "Or this share of the range, where the point lies on no plane that is known. [0, 1)");
     visitor("min_grazing_deg", min_grazing_deg,
             "Rays that meet a plane at less than this angle do not see through it, degrees. [0, 90)");
     visitor("plane_distance_m", plane_distance_m,

@@ -83,11 +83,10 @@ class ScanCaster {
   double safe_distance(const Vector3f& direction, float range, uint32_t leaf) const {
     constexpr double kMinSine = 0.01;
     const Vector3f& normal = surfaces_.normals[leaf];
-    double gap = options_.min_gap_m;
-    if (!normal.isZero(0.0f)) {
-      const double sine = std::abs(static_cast<double>(normal.dot(direction)));
-      gap = std::max(gap, options_.surface_gap_m / std::max(kMinSine, sine));
-    }
+    const bool on_plane = !normal.isZero(0.0f);
+    const double sine = std::max(kMinSine, std::abs(static_cast<double>(normal.dot(direction))));
+    const double surface_gap = on_plane ? options_.surface_gap_m / sine : options_.range_gap * range;
+    const double gap = std::max(options_.min_gap_m, surface_gap);
     return std::min(options_.max_range_m, static_cast<double>(range) - gap);
   }
 
