@@ -119,7 +119,7 @@ TEST(TinyScene, IsGoodBeforeItIsSpoilt) {
   const TinyScene scene(make_test_directory());
   const std::string model = scene.path("model");
   for (const auto& arguments :
-       {scene.colorize(), {"info", scene.directory()}, {"evaluate", "--estimate", model, "--reference", model}}) {
+       {scene.colorize(), scene.clean(), {"info", scene.directory()}, {"evaluate", "--estimate", model, "--reference", model}}) {
     const ProcessResult result = run_cpplus(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments[0];
     EXPECT_EQ(result.err, "") << arguments[0];

@@ -218,7 +218,7 @@ Accuracy accuracy_of(const std::vector<uint8_t>& labels, const std::vector<uint8
   return {right[0] / all[0], right[1] / all[1]};
 }
 
-TEST(FindDynamics, FindsWhatMovesInSimulatedScenes) {
+TEST(SlowFindDynamics, FindsWhatMovesInSimulatedScenes) {
   for (const char* scene : {"hall", "rooms"}) {
     std::vector<uint8_t> truth;
     const ScanSet scans = simulated_scans(scene, 7, 30, &truth);

@@ -13,6 +13,7 @@ LeafRayCaster::LeafRayCaster(const VoxelMap& map, const Eigen::Vector3d& origin_
     high = high.cwiseMax(map.key(0, root));
   }
   size_ = high - low_ + Eigen::Vector3i::Ones();
+  last_cell_ = size_ * (1 << leaf_layer_) - Eigen::Vector3i::Ones();
   roots_.assign(static_cast<size_t>(size_.x()) * static_cast<size_t>(size_.y()) * static_cast<size_t>(size_.z()),
                 no_voxel);
   for (const uint32_t root : roots) {

@@ -6,21 +6,13 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
-#include "cpplus/io/atomic_file.h"
 #include "cpplus/io/point_cloud_io.h"
+#include "cpplus/pipeline/cloud_output.h"
 #include "cpplus/pipeline/scan_folder.h"
 
 namespace cpplus {
 
 namespace {
-
-/// Fails before the work rather than after it.
-void check_output(const std::string& path) {
-  if (point_cloud_extension(path).empty()) {
-    throw Error(fmt::format("{}: unknown extension of a point cloud (.pcd .ply .las)", path));
-  }
-  const AtomicFile probe(path);
-}
 
 template <typename T>
 void keep_static(const std::vector<uint8_t>& labels, std::vector<T>* values) {
@@ -44,7 +36,7 @@ void CleanCommandOptions::validate() const {
 
 CleanSummary run_clean(const CleanCommandOptions& options) {
   options.validate();
-  check_output(options.out);
+  check_cloud_output(options.out);
   ScanFolder folder = read_scan_folder(options.scans, options.poses);
   PointCloud& points = folder.scans.points;
   DynamicsResult dynamics;
