@@ -18,7 +18,7 @@ void DynamicsOptions::validate() const {
   check_option(range_gap >= 0.0 && range_gap < 1.0, "range_gap", "[0, 1)", range_gap);
   check_option(min_grazing_deg >= 0.0 && min_grazing_deg < 90.0, "min_grazing_deg", "[0, 90)", min_grazing_deg);
   check_option(plane_distance_m >= 0.0, "plane_distance_m", "[0, inf)", plane_distance_m);
-  check_option(min_share >= 0.0, "min_share", "[0, inf)", min_share);
+  check_option(min_share >= 0.0 && min_share <= 100.0, "min_share", "[0, 100]", min_share);
   check_option(fill_share > 0.0 && fill_share <= 1.0, "fill_share", "(0, 1]", fill_share);
   check_option(keep_share >= 0.0 && keep_share <= 1.0, "keep_share", "[0, 1]", keep_share);
   check_option(sure_scans >= 1, "sure_scans", "[1, inf)", sure_scans);

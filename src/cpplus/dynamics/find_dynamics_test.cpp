@@ -9,6 +9,7 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/dynamics/leaf_vote.h"
 #include "cpplus/dynamics/see_through.h"
 #include "cpplus/dynamics/test_scans.h"
 #include "cpplus/simulate/lidar.h"
@@ -64,6 +65,14 @@ TEST(SeeThrough, TheRayOfAnotherScanCounts) {
   add_scan(&scans, {0.0, 0.03, 0.03}, {{4.03, 0.03, 0.03}});
   EXPECT_EQ(times_seen_through(scans, near), 1u);
   EXPECT_EQ(times_seen_through(scans, {4.03, 0.03, 0.03}), 0u);
+}
+
+TEST(SeeThrough, CountingStopsWhereItIsSufficient) {
+  ScanSet scans;
+  const Vector3d near(2.03, 0.03, 0.03);
+  add_scan(&scans, {0.0, 0.03, 0.03}, {near});
+  for (int i = 0; i < 9; ++i) add_scan(&scans, {0.0, 0.03, 0.03}, {{4.03, 0.03, 0.03}});
+  EXPECT_EQ(times_seen_through(scans, near), sufficient_scans(1, {}));
 }
 
 TEST(SeeThrough, AScanDoesNotSeeThroughWhatItHits) {

@@ -1,6 +1,7 @@
 #include "cpplus/dynamics/leaf_vote.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
@@ -25,6 +26,11 @@ uint8_t revised(uint8_t label, uint32_t num_through, const Votes& around, const 
 }
 
 }  // namespace
+
+uint32_t sufficient_scans(uint32_t num_hits, const DynamicsOptions& options) {
+  return std::max(static_cast<uint32_t>(options.sure_scans),
+                  static_cast<uint32_t>(std::ceil(options.min_share * num_hits)));
+}
 
 std::vector<uint8_t> vote_on_leaves(const VoxelMap& map, const std::vector<uint32_t>& num_hits,
                                     const std::vector<uint32_t>& num_through, const DynamicsOptions& options) {

@@ -26,6 +26,18 @@ TEST(LeafVote, ALeafNeedsAShareOfTheScansThatHitIt) {
   EXPECT_THAT(vote_on_leaves(map, {1, 8, 8, 8}, {0, 1, 2, 3}, options), ElementsAre(0, 0, 1, 1));
 }
 
+TEST(LeafVote, MoreThanSufficientScansChangeNothing) {
+  DynamicsOptions options;
+  options.sure_scans = 2;
+  options.min_share = 0.25;
+  EXPECT_EQ(sufficient_scans(1, options), 2u);
+  EXPECT_EQ(sufficient_scans(8, options), 2u);
+  EXPECT_EQ(sufficient_scans(9, options), 3u);
+  const VoxelMap map = row_of_leaves(4);
+  EXPECT_EQ(vote_on_leaves(map, {1, 8, 9, 40}, {2, 2, 3, 9}, options),
+            vote_on_leaves(map, {1, 8, 9, 40}, {50, 60, 70, 9}, options));
+}
+
 TEST(LeafVote, ALeafAmongDynamicOnesIsFilled) {
   const VoxelMap map = row_of_leaves(4);
   DynamicsOptions options;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/dynamics/leaf_vote.h"
 
 namespace cpplus {
 namespace {
@@ -42,23 +43,24 @@ class LeafSet {
 /// Casts the rays of one scan after the other.
 class ScanCaster {
  public:
-  ScanCaster(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces, const DynamicsOptions& options)
+  ScanCaster(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces, const DynamicsOptions& options,
+             std::vector<int32_t>* missing)
       : map_(map),
         scans_(scans),
         surfaces_(surfaces),
         options_(options),
         min_sine_(static_cast<float>(std::sin(options.min_grazing_deg * M_PI / 180.0))),
         hit_(surfaces.num_scans.size()),
-        passed_(surfaces.num_scans.size()) {}
+        passed_(surfaces.num_scans.size()),
+        missing_(missing->data()) {}
 
-  /// Calls seen(leaf) once for each leaf that the scan sees through.
-  template <typename Seen>
-  void cast(size_t scan, const Seen& seen) {
+  /// Takes one from `missing` of each leaf that the scan sees through.
+  void cast(size_t scan) {
     hit_.clear();
     passed_.clear();
     cast_rays(scan);
     for (const uint32_t leaf : passed_.members()) {
-      if (!hit_.contains(leaf) && !is_beside_hit(leaf)) seen(leaf);
+      if (!hit_.contains(leaf) && !is_beside_hit(leaf)) missing(leaf).fetch_sub(1, std::memory_order_relaxed);
     }
   }
 
@@ -94,7 +96,7 @@ class ScanCaster {
     const auto end = static_cast<float>(distance);
     const auto max_off2 = static_cast<float>(options_.ray_radius_m * options_.ray_radius_m);
     caster.cast(direction.cast<double>(), distance, [&](uint32_t leaf) {
-      if (passed_.contains(leaf)) return;
+      if (passed_.contains(leaf) || missing(leaf).load(std::memory_order_relaxed) <= 0) return;
       const Vector3f to_mean = surfaces_.means[leaf] - sensor;
       const float along = to_mean.dot(direction);
       if (along > end || to_mean.squaredNorm() - along * along > max_off2) return;
@@ -115,6 +117,9 @@ class ScanCaster {
     });
   }
 
+  /// Shared by all threads. Once it is not positive it stays so, and what is below zero does not count.
+  std::atomic_ref<int32_t> missing(uint32_t leaf) const { return std::atomic_ref(missing_[leaf]); }
+
   const VoxelMap& map_;
   const ScanSet& scans_;
   const LeafSurfaces& surfaces_;
@@ -122,6 +127,7 @@ class ScanCaster {
   const float min_sine_;
   LeafSet hit_;     // by the scan at hand
   LeafSet passed_;  // by its rays
+  int32_t* missing_;
   std::vector<uint32_t> neighbors_;
 };
 
@@ -129,14 +135,20 @@ class ScanCaster {
 
 std::vector<uint32_t> count_see_through(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces,
                                         const DynamicsOptions& options) {
-  std::vector<uint32_t> counts(map.num_nodes(map.leaf_layer()), 0);
+  const size_t num_leaves = surfaces.num_scans.size();
+  std::vector<int32_t> missing(num_leaves);
+  const auto sufficient = [&](size_t leaf) {
+    return static_cast<int32_t>(sufficient_scans(surfaces.num_scans[leaf], options));
+  };
+  for (size_t leaf = 0; leaf < num_leaves; ++leaf) missing[leaf] = sufficient(leaf);
   parallel_for_chunks(scans.num_scans(), kScansPerTask, [&](size_t begin, size_t end) {
-    ScanCaster caster(map, scans, surfaces, options);
-    for (size_t scan = begin; scan < end; ++scan) {
-      // Sums of integers are the same in any order.
-      caster.cast(scan, [&](uint32_t leaf) { std::atomic_ref(counts[leaf]).fetch_add(1, std::memory_order_relaxed); });
-    }
+    ScanCaster caster(map, scans, surfaces, options, &missing);
+    for (size_t scan = begin; scan < end; ++scan) caster.cast(scan);
   });
+  std::vector<uint32_t> counts(num_leaves);
+  for (size_t leaf = 0; leaf < num_leaves; ++leaf) {
+    counts[leaf] = static_cast<uint32_t>(sufficient(leaf) - std::max(0, missing[leaf]));
+  }
   return counts;
 }
 
