@@ -10,10 +10,11 @@ void add_clean_command(CommandLine* command_line) {
   command_line->add_command<CleanCommandOptions>(
       "clean", "Makes a map of what stands still from scans with poses", [](const CleanCommandOptions& options) {
         const CleanSummary summary = run_clean(options);
-        log_info(fmt::format(
-            "{}: {} of {} points of {} scans, {} dynamic ones ({:.1f} %) left out", options.out,
-            summary.num_points - summary.num_dynamic, summary.num_points, summary.num_scans, summary.num_dynamic,
-            100.0 * static_cast<double>(summary.num_dynamic) / static_cast<double>(summary.num_points)));
+        const double percent =
+            100.0 * static_cast<double>(summary.num_dynamic) / static_cast<double>(summary.num_points);
+        log_info(fmt::format("{}: kept {} of {} points, left {} dynamic ones ({:.1f} %) out; scans: {}", options.out,
+                             summary.num_points - summary.num_dynamic, summary.num_points, summary.num_dynamic, percent,
+                             summary.num_scans));
       });
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 
 #include "cpplus/core/error.h"
@@ -75,13 +76,21 @@ ScanFolder read_scan_folder(const std::string& directory, const std::string& pos
   const Eigen::Vector3d origin = map_origin(map_from_lidar);
   std::vector<PointCloud> scans(folder.files.size());
   Progress progress("read scans", scans.size());
+  std::vector<std::exception_ptr> errors(scans.size());  // of several broken scans the first is named
   parallel_for_each(scans.size(), [&](size_t i) {
-    ReadCounts counts;
-    scans[i] = read_point_cloud(folder.files[i], &counts);
-    move_to_map(map_from_lidar[i].map_from_sensor, origin, &scans[i]);
-    folder.dropped_points[i] = std::move(counts.dropped_points);
+    try {
+      ReadCounts counts;
+      scans[i] = read_point_cloud(folder.files[i], &counts);
+      move_to_map(map_from_lidar[i].map_from_sensor, origin, &scans[i]);
+      folder.dropped_points[i] = std::move(counts.dropped_points);
+    } catch (const Error&) {
+      errors[i] = std::current_exception();
+    }
     progress.advance();
   });
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
   for (size_t i = 0; i < scans.size(); ++i) {
     folder.scans.first_point.push_back(folder.scans.first_point.back() + scans[i].size());
     folder.scans.sensors_in_map.push_back(map_from_lidar[i].map_from_sensor.translation);
