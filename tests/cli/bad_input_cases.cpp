@@ -286,6 +286,40 @@ Cases simulate_cases() {
   };
 }
 
+/// A case that changes the value of one flag of `clean`.
+BadInputCase clean_flag(const std::string& flag, const std::string& value) {
+  return [=](const TinyScene& scene) {
+    const bool is_path = value.starts_with("DIR/");
+    return with_flag(scene.clean(), flag, is_path ? scene.path(value.substr(4)) : value);
+  };
+}
+
+Cases clean_cases() {
+  const auto after_writing = [](const std::string& file, const std::string& text) -> BadInputCase {
+    return [=](const TinyScene& scene) {
+      scene.write(file, text);
+      return scene.clean();
+    };
+  };
+  return {
+      {"folder of scans does not exist", clean_flag("--scans", "DIR/none")},
+      {"folder of scans is a file", clean_flag("--scans", "DIR/map.pcd")},
+      {"folder without scans", clean_flag("--scans", "DIR/images")},
+      {"scan poses do not exist", clean_flag("--poses", "DIR/none.txt")},
+      {"more poses than scans",
+       after_writing("scans/poses.txt", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n")},
+      {"scan without pose", after_writing("scans/2.pcd", "")},
+      {"corrupt scan among good ones", after_writing("scans/1.pcd", "no scan\n")},
+      {"scan without a finite point", after_writing("scans/1.pcd", pcd("x y z", {"nan 0 1"}))},
+      {"scan pose that is not a number", after_writing("scans/poses.txt", "1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n")},
+      {"static map of unknown extension", clean_flag("--out", "DIR/out.xyz")},
+      {"static map below a file", clean_flag("--out", "DIR/map.pcd/out.ply")},
+      {"labels below a file", clean_flag("--labels", "DIR/map.pcd/labels")},
+      {"option of clean out of range", clean_flag("--dynamics.fill-share", "0")},
+      {"more roots than a ray may cross", clean_flag("--dynamics.max-range-m", "300")},
+  };
+}
+
 Cases output_cases() {
   return {
       {"output of unknown extension", colorize_flag("--out", "DIR/out.xyz")},
@@ -322,8 +356,8 @@ Cases usage_cases() {
 
 Cases bad_input_cases() {
   Cases all;
-  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), refine_cases(), evaluate_cases(),
-                     simulate_cases(), output_cases(), usage_cases()}) {
+  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), refine_cases(), clean_cases(),
+                     evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

@@ -45,7 +45,10 @@ ColorImage checkered(int width, int height) {
 TinyScene::TinyScene(std::string directory) : directory_(std::move(directory)) {
   std::filesystem::create_directories(path("images"));
   std::filesystem::create_directories(path("model"));
+  std::filesystem::create_directories(path("scans"));
   write("map.pcd", wall_pcd());
+  for (const char* name : {"scans/0.pcd", "scans/1.pcd"}) write(name, wall_pcd());
+  write("scans/poses.txt", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n");
   write("model/cameras.txt", "1 PINHOLE 64 48 60 60 32 24\n");
   write("model/images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0.1 0 0 1 b.png\n\n");
   write("model/points3D.txt", "");
@@ -85,6 +88,13 @@ std::vector<std::string> TinyScene::colorize(const std::vector<std::string>& mor
 std::vector<std::string> TinyScene::refine(const std::vector<std::string>& more) const {
   std::vector<std::string> arguments = {"refine",  "--map",       path("map.pcd"), "--images", path("images"),
                                         "--poses", path("model"), "--out",         path("out")};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+std::vector<std::string> TinyScene::clean(const std::vector<std::string>& more) const {
+  std::vector<std::string> arguments = {"clean", "--scans",      path("scans"), "--poses", path("scans/poses.txt"),
+                                        "--out", path("out.ply")};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

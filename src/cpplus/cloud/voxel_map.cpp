@@ -11,13 +11,6 @@
 namespace cpplus {
 namespace {
 
-/// Number of set bits among the lowest 0..8; a table because the x86-64 baseline has no such instruction.
-constexpr std::array<uint8_t, 256> bit_counts = [] {
-  std::array<uint8_t, 256> table{};
-  for (size_t mask = 1; mask < table.size(); ++mask) table[mask] = static_cast<uint8_t>(table[mask / 2] + mask % 2);
-  return table;
-}();
-
 /// Nodes of one layer that meet a box of at most 2 x 2 x 2 voxels, no_voxel where there is none.
 struct Block {
   Eigen::Vector3i low;
@@ -109,13 +102,6 @@ Eigen::Vector3i VoxelMap::key_of(int layer, const Eigen::Vector3d& x_in_map) con
 
 uint32_t VoxelMap::find_root(const Eigen::Vector3i& key) const {
   return arrays_.root_table[probe_key_table(arrays_.root_table, arrays_.root_keys, key)];
-}
-
-uint32_t VoxelMap::child_in_octant(int layer, uint32_t node, int octant) const {
-  const VoxelMapLayer& nodes = this->layer(layer);
-  const uint32_t mask = nodes.child_mask[node];
-  const uint32_t bit = 1u << octant;
-  return (mask & bit) != 0 ? nodes.first[node] + bit_counts[mask & (bit - 1)] : no_voxel;
 }
 
 std::optional<uint32_t> VoxelMap::find(int layer, const Eigen::Vector3i& key) const {

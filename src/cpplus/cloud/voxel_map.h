@@ -82,6 +82,13 @@ class VoxelMap {
   /// [begin, end) of the node's children in layer + 1; not for leaves.
   uint32_t children_begin(int layer, uint32_t node) const { return this->layer(layer).first[node]; }
   uint32_t children_end(int layer, uint32_t node) const { return children_begin(layer, node + 1); }
+  /// The child in an octant (octant_of() of its key) of a node above the leaves, no_voxel where it is empty.
+  uint32_t child_in_octant(int layer, uint32_t node, int octant) const {
+    const VoxelMapLayer& nodes = this->layer(layer);
+    const uint32_t mask = nodes.child_mask[node];
+    const uint32_t bit = 1u << octant;
+    return (mask & bit) != 0 ? nodes.first[node] + bit_counts[mask & (bit - 1)] : no_voxel;
+  }
   /// The node of layer - 1 that holds this one; not for roots.
   uint32_t parent(int layer, uint32_t node) const;
 
@@ -121,7 +128,6 @@ class VoxelMap {
  private:
   const VoxelMapLayer& layer(int layer) const { return arrays_.layers[static_cast<size_t>(layer)]; }
   uint32_t find_root(const Eigen::Vector3i& key) const;
-  uint32_t child_in_octant(int layer, uint32_t node, int octant) const;
 
   VoxelMapOptions options_;
   VoxelGrid grid_;

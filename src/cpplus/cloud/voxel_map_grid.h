@@ -114,6 +114,13 @@ inline uint64_t hash_key(const Eigen::Vector3i& key) {
 
 inline constexpr uint32_t no_voxel = 0xFFFFFFFFu;
 
+/// Number of set bits among the lowest 0..8; a table because the x86-64 baseline has no such instruction.
+inline constexpr std::array<uint8_t, 256> bit_counts = [] {
+  std::array<uint8_t, 256> table{};
+  for (size_t mask = 1; mask < table.size(); ++mask) table[mask] = static_cast<uint8_t>(table[mask / 2] + mask % 2);
+  return table;
+}();
+
 /// Slot of a key in an open-addressing table of indices into `keys`: the one that holds it, or the empty one (value
 /// no_voxel) where it belongs. The table's size is a power of two and larger than the number of keys.
 inline size_t probe_key_table(std::span<const uint32_t> table, std::span<const Eigen::Vector3i> keys,

@@ -109,10 +109,14 @@ void CloudBuilder::set_from_bytes(size_t point, const PointField& field, const u
 PointCloud CloudBuilder::finish(ReadCounts* counts) {
   const size_t in_file = cloud_.size();
   size_t kept = 0;
+  std::vector<size_t> dropped;
   Eigen::Array3f farthest = Eigen::Array3f::Zero();
   for (size_t i = 0; i < in_file; ++i) {
     const Eigen::Vector3f& position = cloud_.positions[i];
-    if (!position.allFinite()) continue;
+    if (!position.allFinite()) {
+      dropped.push_back(i);
+      continue;
+    }
     farthest = farthest.max(position.array().abs());
     if (kept != i) {
       keep(&cloud_.positions, kept, i);
@@ -136,8 +140,8 @@ PointCloud CloudBuilder::finish(ReadCounts* counts) {
   shorten(&cloud_.stamps_s);
   shorten(&cloud_.num_views);
   if (counts != nullptr) {
-    *counts = {in_file, in_file - kept,
-               rounds_ || !cloud_.origin.isZero(0.0) ? float_rounding(farthest.maxCoeff()) : 0.0};
+    *counts = {in_file, dropped.size(),
+               rounds_ || !cloud_.origin.isZero(0.0) ? float_rounding(farthest.maxCoeff()) : 0.0, std::move(dropped)};
   }
   return std::move(cloud_);
 }

@@ -17,6 +17,7 @@ struct ReadCounts {
   /// Largest coordinate error from keeping positions as float32 offsets, metres: half the spacing of float32 at the
   /// point farthest from the origin along an axis (0.03 mm at 1 km, 0.5 mm at 10 km). 0 for a local float32 file.
   double max_rounding_m = 0.0;
+  std::vector<size_t> dropped_points;  // which ones, by their place in the file, ascending
 };
 
 /// Collects the values of a file's fields into a PointCloud of a size known beforehand, in any order (file formats come

@@ -9,10 +9,10 @@
 #include "cpplus/core/options.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/features/blur.h"
-#include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/point_cloud_io.h"
+#include "cpplus/pipeline/cloud_output.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/report/render_cloud.h"
 #include "cpplus/visibility/depth_buffer.h"
@@ -20,14 +20,6 @@
 namespace cpplus {
 
 namespace {
-
-/// Fails before the work rather than after it.
-void check_output(const std::string& path) {
-  if (point_cloud_extension(path).empty()) {
-    throw Error(fmt::format("{}: unknown extension of a point cloud (.pcd .ply .las)", path));
-  }
-  const AtomicFile probe(path);
-}
 
 /// Edge of a cell of the depth buffer: finer cells leave gaps between the leaves of near surfaces, coarser ones blur
 /// the edges that colours must not cross.
@@ -126,7 +118,7 @@ void ColorizeCommandOptions::validate() const {
 
 ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   options.validate();
-  check_output(options.out);
+  check_cloud_output(options.out);
   const SparseModel model = read_sparse_model(options.poses);
   const ImageFolder folder = find_images(options.images, model);
   warn_of_unmatched(options.images, model, folder);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "cpplus/cloud/voxel_map.h"
+#include "cpplus/dynamics/scan_set.h"
+
+namespace cpplus {
+
+/// What the leaves of the map of all scans know of the surface in them. By leaf, except where it says otherwise.
+struct LeafSurfaces {
+  std::vector<uint32_t> leaf_of_point;   // by point of the scans; no_voxel for one that the map left out
+  std::vector<uint32_t> num_scans;       // how many scans hit the leaf: the size of its set of scan identifiers
+  std::vector<Eigen::Vector3f> means;    // of the points, relative to the map's origin, metres
+  std::vector<Eigen::Vector3f> normals;  // unit normal of the plane that the leaf lies on, zero where there is none
+};
+
+/// `map` is the voxel map of scans.points. A leaf takes the normal of the smallest voxel of the two layers 2 and 3
+/// above it whose points are a plane and that its own mean lies on.
+LeafSurfaces measure_leaf_surfaces(const VoxelMap& map, const ScanSet& scans);
+
+/// [begin, end) of the leaves in a node.
+struct LeafRange {
+  uint32_t begin = 0;
+  uint32_t end = 0;
+};
+LeafRange leaves_of(const VoxelMap& map, int layer, uint32_t node);
+
+}  // namespace cpplus
