@@ -118,8 +118,10 @@ TEST(BadInputTable, HasARowForEveryCase) {
 TEST(TinyScene, IsGoodBeforeItIsSpoilt) {
   const TinyScene scene(make_test_directory());
   const std::string model = scene.path("model");
-  for (const auto& arguments :
-       {scene.colorize(), {"info", scene.directory()}, {"evaluate", "--estimate", model, "--reference", model}}) {
+  for (const auto& arguments : {scene.colorize(),
+                                scene.poses(),
+                                {"info", scene.directory()},
+                                {"evaluate", "--estimate", model, "--reference", model}}) {
     const ProcessResult result = run_cpplus(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments[0];
     EXPECT_EQ(result.err, "") << arguments[0];
