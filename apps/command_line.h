@@ -33,15 +33,18 @@ class CommandLine {
   /// A command without options of its own, so far: the caller may add positional arguments to what is returned.
   CLI::App* add_command(const std::string& name, const std::string& summary, std::function<void()> run_command);
 
-  /// A command that runs on options merged from defaults, file and flags, once they are valid.
+  /// A command that runs on options merged from defaults, file and flags, once they are valid. As above for positional
+  /// arguments.
   template <typename Options>
-  void add_command(const std::string& name, const std::string& summary, void (*run_command)(const Options&)) {
+  CLI::App* add_command(const std::string& name, const std::string& summary,
+                        std::function<void(const Options&)> run_command) {
     const auto options = std::make_shared<Options>();
     CLI::App* command = add_command(name, summary, [options, run_command] {
       options->validate();
       run_command(*options);
     });
     add_options(command, list_options(*options, name));
+    return command;
   }
 
   /// Every option of every command at its default, as YAML with comments.

@@ -7,6 +7,7 @@ namespace cpplus {
 // One function a command, each in its own cmd_NAME.cpp.
 void add_colorize_command(CommandLine* command_line);
 void add_evaluate_command(CommandLine* command_line);
+void add_import_command(CommandLine* command_line);
 void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     cpplus::CommandLine command_line;
     cpplus::add_colorize_command(&command_line);
     cpplus::add_evaluate_command(&command_line);
+    cpplus::add_import_command(&command_line);
     cpplus::add_poses_command(&command_line);
     cpplus::add_refine_command(&command_line);
     cpplus::add_info_command(&command_line);

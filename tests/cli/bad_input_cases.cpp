@@ -189,6 +189,59 @@ Cases text_cases() {
   };
 }
 
+Arguments import(const TinyScene& scene, const std::string& format, const std::string& source) {
+  return {"import", format, scene.path(source), "--out", scene.path("out")};
+}
+
+BadInputCase import_transforms(const std::string& json) {
+  return [=](const TinyScene& scene) {
+    scene.write("transforms.json", json);
+    return import(scene, "nerfstudio", "transforms.json");
+  };
+}
+
+Cases import_cases() {
+  const auto of = [](const std::string& format, const std::string& source) {
+    return [=](const TinyScene& scene) { return import(scene, format, source); };
+  };
+  const auto frame = [](const std::string& x, const std::string& number) {
+    return "{\"fl_x\": 60, \"frames\": [{\"file_path\": \"images/a.png\", \"transform_matrix\": [[" + number +
+           ", 0, 0, " + x + "], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]}";
+  };
+  return {
+      {"format to import that is not known", of("rtabmap", "images")},
+      {"import without a source",
+       [](const TinyScene& scene) {
+         return Arguments{"import", "kitti", "--out", scene.path("out")};
+       }},
+      {"source to import does not exist", of("colmap", "none")},
+      {"import into a folder that is in use",
+       [](const TinyScene& scene) {
+         return with_flag(import(scene, "colmap", "model"), "--out", scene.path("images"));
+       }},
+      {"COLMAP folder without a model", of("colmap", "images")},
+      {"transforms.json that is not JSON", import_transforms("{\"frames\": [")},
+      {"transforms.json without its images", import_transforms("{\"frames\": [{\"file_path\": \"gone.png\"}]}")},
+      {"transform matrix with a word", import_transforms(frame("\"one\"", "1"))},
+      {"transform matrix that stretches", import_transforms(frame("0", "2"))},
+      {"KITTI sequence without calibration", of("kitti", "images")},
+      {"KITTI drive without calibration", of("kitti-raw", "images")},
+      {"FAST-LIVO2 output without its configuration",
+       [](const TinyScene& scene) {
+         std::filesystem::create_directories(scene.path("image"));
+         scene.write("image/image_poses.txt", "10 0 0 0 0 0 0 1\n");
+         return import(scene, "fast-livo2", ".");
+       }},
+      {"LIO-SAM poses without angles",
+       [](const TinyScene& scene) {
+         std::filesystem::create_directories(scene.path("lio_sam"));
+         scene.write("lio_sam/transformations.pcd", pcd("x y z", {"0 0 0"}));
+         return import(scene, "lio-sam", "lio_sam");
+       }},
+      {"R3LIVE output without a map", of("r3live", "images")},
+  };
+}
+
 BadInputCase poses_flag(const std::string& flag, const std::string& value) {
   return [=](const TinyScene& scene) {
     return with_flag(scene.poses(), flag, value.starts_with("DIR/") ? scene.path(value.substr(4)) : value);
@@ -384,8 +437,9 @@ Cases usage_cases() {
 
 Cases bad_input_cases() {
   Cases all;
-  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), poses_rig_cases(), poses_stamp_cases(),
-                     refine_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
+  for (Cases some :
+       {map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), poses_rig_cases(), poses_stamp_cases(),
+        refine_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;
