@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cpplus/core/option_list.h"
+#include "cpplus/pipeline/run_steps.h"
 
 namespace cpplus {
 
@@ -47,6 +48,12 @@ class CommandLine {
     return command;
   }
 
+  bool has_command(const std::string& name) const;
+  /// A command with its options, as they are once the command line is parsed, to be run as a part of another.
+  RunStep step(const std::string& name) const;
+  /// The file given with --config; "" = none.
+  const std::string& config() const { return config_; }
+
   /// Every option of every command at its default, as YAML with comments.
   std::string defaults_yaml() const;
 
@@ -63,7 +70,13 @@ class CommandLine {
   std::string config_;
   std::vector<OptionField> fields_;
   std::vector<std::pair<OptionField, std::string>> overrides_;  // what the flags gave, in their order
-  std::vector<std::pair<CLI::App*, std::function<void()>>> commands_;
+  struct Command {
+    CLI::App* app = nullptr;
+    std::function<void()> run;
+    std::vector<OptionField> fields;
+  };
+  const Command* find(const std::string& name) const;
+  std::vector<Command> commands_;
 };
 
 }  // namespace cpplus

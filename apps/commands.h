@@ -10,6 +10,7 @@ void add_evaluate_command(CommandLine* command_line);
 void add_import_command(CommandLine* command_line);
 void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);
+void add_run_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);
 void add_simulate_command(CommandLine* command_line);
 void add_config_command(CommandLine* command_line);

@@ -242,6 +242,23 @@ Cases import_cases() {
   };
 }
 
+Cases run_cases() {
+  const auto with_config = [](const TinyScene& scene, const std::string& yaml) {
+    scene.write("config.yaml", yaml);
+    return Arguments{"run", "--config", scene.path("config.yaml")};
+  };
+  return {
+      {"run without a configuration", [](const TinyScene&) { return Arguments{"run"}; }},
+      {"run of a configuration without steps",
+       [=](const TinyScene& scene) { return with_config(scene, "threads: 1\n"); }},
+      {"run of a step that fails",
+       [=](const TinyScene& scene) {
+         return with_config(scene, "poses: {trajectory: t, images: i, out: " + scene.path("out") +
+                                       ", rig: " + scene.path("none.yaml") + "}\n");
+       }},
+  };
+}
+
 BadInputCase poses_flag(const std::string& flag, const std::string& value) {
   return [=](const TinyScene& scene) {
     return with_flag(scene.poses(), flag, value.starts_with("DIR/") ? scene.path(value.substr(4)) : value);
@@ -438,8 +455,8 @@ Cases usage_cases() {
 Cases bad_input_cases() {
   Cases all;
   for (Cases some :
-       {map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), poses_rig_cases(), poses_stamp_cases(),
-        refine_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
+       {map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), run_cases(), poses_rig_cases(),
+        poses_stamp_cases(), refine_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;
