@@ -21,9 +21,9 @@ void add_import_command(CommandLine* command_line) {
       "import", "Brings another program's output into a project folder in our conventions", run);
   command
       ->add_option("FORMAT", positional->first,
-                   "colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam, r3live")
+                   "colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam, r3live, rosbag")
       ->type_name("");
-  command->add_option("SRC", positional->second, "Folder, or nerfstudio's transforms.json")->type_name("");
+  command->add_option("SRC", positional->second, "Folder, nerfstudio's transforms.json, or a bag")->type_name("");
 }
 
 }  // namespace cpplus

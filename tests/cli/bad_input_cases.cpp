@@ -238,6 +238,7 @@ Cases import_cases() {
          scene.write("lio_sam/transformations.pcd", pcd("x y z", {"0 0 0"}));
          return import(scene, "lio-sam", "lio_sam");
        }},
+      {"bag that is none", of("rosbag", "stamps.txt")},
       {"R3LIVE output without a map", of("r3live", "images")},
   };
 }

@@ -63,4 +63,16 @@ ImportedProject import_lio_sam(const std::string& folder);
 /// R3LIVE's output folder: rgb_pt.pcd. Its offline map (.r3live) is a memory dump and is not read.
 ImportedProject import_r3live(const std::string& folder);
 
+/// Topics of a bag to take; "" = all of images, and for the others the only one there is.
+struct RosbagTopics {
+  std::string images;  // sensor_msgs/Image or CompressedImage
+  std::string lidar;   // sensor_msgs/PointCloud2 or Livox CustomMsg
+  std::string poses;   // nav_msgs/Odometry or Path
+};
+
+/// A ROS 1 bag. Images and scans are written into `folder`, as images/ and scans/; scans only where there are poses.
+/// Messages that cannot be read are left out and counted in the notes. `rig` has the cameras of camera_info, without
+/// extrinsics.
+ImportedProject import_rosbag(const std::string& bag, const RosbagTopics& topics, const std::string& folder);
+
 }  // namespace cpplus

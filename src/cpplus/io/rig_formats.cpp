@@ -63,18 +63,27 @@ Camera ros_camera_info(const YAML::Node& root, const std::string& path) {
   const int width = yaml_int(yaml_child(root, "image_width", path), path + ": image_width");
   const int height = yaml_int(yaml_child(root, "image_height", path), path + ": image_height");
   const YAML::Node matrix = yaml_child(yaml_child(root, "camera_matrix", path), "data", path + ": camera_matrix");
-  const std::vector<double> focal = focal_of_matrix(matrix, path + ": camera_matrix");
   const std::string model = yaml_text(yaml_child(root, "distortion_model", path), path + ": distortion_model");
   const std::string where = path + ": distortion_coefficients";
-  const std::vector<double> distortion =
-      yaml_numbers(yaml_child(yaml_child(root, "distortion_coefficients", path), "data", where), where);
-  if (model == "plumb_bob" || model == "rational_polynomial")
+  const YAML::Node distortion = yaml_child(yaml_child(root, "distortion_coefficients", path), "data", where);
+  return ros_camera(path, width, height, model, yaml_numbers(matrix, path + ": camera_matrix"),
+                    yaml_numbers(distortion, where));
+}
+
+Camera ros_camera(const std::string& where, int width, int height, const std::string& distortion_model,
+                  const std::vector<double>& matrix, const std::vector<double>& distortion) {
+  if (matrix.size() != 9)
+    throw Error(fmt::format("{}: a camera matrix has 9 numbers, this has {}", where, matrix.size()));
+  const std::vector<double> focal = {matrix[0], matrix[4], matrix[2], matrix[5]};
+  if (distortion_model == "plumb_bob" || distortion_model == "rational_polynomial") {
     return opencv_camera(where, width, height, focal, distortion);
-  if (model == "equidistant" || model == "fisheye") return fisheye_camera(where, width, height, focal, distortion);
-  throw Error(
-      fmt::format("{}: unknown distortion_model '{}': known are plumb_bob, rational_polynomial, equidistant and "
-                  "fisheye",
-                  path, model));
+  }
+  if (distortion_model == "equidistant" || distortion_model == "fisheye") {
+    return fisheye_camera(where, width, height, focal, distortion);
+  }
+  throw Error(fmt::format(
+      "{}: unknown distortion_model '{}': known are plumb_bob, rational_polynomial, equidistant and fisheye", where,
+      distortion_model));
 }
 
 Camera kalibr_camera(const YAML::Node& node, const std::string& where) {

@@ -26,6 +26,9 @@ bool is_fast_livo2_camera(const YAML::Node& root);
 Camera fast_livo2_camera(const YAML::Node& root, const std::string& path);
 Camera kalibr_camera(const YAML::Node& node, const std::string& where);
 Camera ros_camera_info(const YAML::Node& root, const std::string& path);
+/// The fields of sensor_msgs/CameraInfo; matrix = the nine numbers of K.
+Camera ros_camera(const std::string& where, int width, int height, const std::string& distortion_model,
+                  const std::vector<double>& matrix, const std::vector<double>& distortion);
 
 /// focal = fx fy cx cy; distortion = OpenCV's k1 k2 p1 p2 [k3 [k4 k5 k6]], the shortest model that holds it.
 Camera opencv_camera(const std::string& where, int width, int height, const std::vector<double>& focal,

@@ -31,20 +31,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Importer = std::function<ImportedProject(const ImportCommandOptions&)>;
+/// Reads the source; the folder is for what has to be unpacked.
+using Importer = std::function<ImportedProject(const ImportCommandOptions&, const std::string& folder)>;
 
 const std::map<std::string, Importer>& importers() {
   static const std::map<std::string, Importer> all = {
-      {"colmap", [](const auto& o) { return import_colmap(o.source); }},
-      {"nerfstudio", [](const auto& o) { return import_nerfstudio(o.source); }},
-      {"kitti", [](const auto& o) { return import_kitti_odometry(o.source); }},
-      {"kitti-raw", [](const auto& o) { return import_kitti_raw(o.source); }},
-      {"fast-livo2", [](const auto& o) { return import_fast_livo2(o.source, o.rig, o.intrinsics); }},
-      {"global-lvba", [](const auto& o) { return import_global_lvba(o.source, o.rig, o.intrinsics); }},
-      {"lio-sam", [](const auto& o) { return import_lio_sam(o.source); }},
-      {"r3live", [](const auto& o) { return import_r3live(o.source); }},
+      {"colmap", [](const auto& o, const auto&) { return import_colmap(o.source); }},
+      {"nerfstudio", [](const auto& o, const auto&) { return import_nerfstudio(o.source); }},
+      {"kitti", [](const auto& o, const auto&) { return import_kitti_odometry(o.source); }},
+      {"kitti-raw", [](const auto& o, const auto&) { return import_kitti_raw(o.source); }},
+      {"fast-livo2", [](const auto& o, const auto&) { return import_fast_livo2(o.source, o.rig, o.intrinsics); }},
+      {"global-lvba", [](const auto& o, const auto&) { return import_global_lvba(o.source, o.rig, o.intrinsics); }},
+      {"lio-sam", [](const auto& o, const auto&) { return import_lio_sam(o.source); }},
+      {"rosbag",
+       [](const auto& o, const auto& folder) {
+         return import_rosbag(o.source, {o.image_topic, o.lidar_topic, o.pose_topic}, folder);
+       }},
+      {"r3live", [](const auto& o, const auto&) { return import_r3live(o.source); }},
   };
   return all;
+}
+
+bool has_extrinsics(const Rig& rig) {
+  const auto is_placed = [](const RigCamera& camera) { return camera.camera_from_lidar || camera.camera_from_body; };
+  return std::all_of(rig.cameras.begin(), rig.cameras.end(), is_placed);
 }
 
 /// What the user names goes before what the source holds.
@@ -66,9 +76,9 @@ void apply_overrides(const ImportCommandOptions& options, ImportedProject* proje
     }
   }
   if (!options.stamps.empty()) project->stamps_s = read_image_stamps(options.stamps, StampUnit::kAuto);
-  // The rig of these formats has been corrected by what the images say.
-  const bool rig_is_read = project->rig.has_value();
-  if (!options.rig.empty() && !rig_is_read) project->rig = read_rig(options.rig, options.intrinsics);
+  // An importer that took the rig has corrected it by what the images say.
+  const bool rig_is_taken = project->rig && has_extrinsics(*project->rig);
+  if (!options.rig.empty() && !rig_is_taken) project->rig = read_rig(options.rig, options.intrinsics);
 }
 
 /// A folder that is renamed to its place when it is whole, and removed otherwise.
@@ -111,8 +121,8 @@ class AtomicFolder {
 
 class ProjectWriter {
  public:
-  ProjectWriter(const ImportCommandOptions& options, const ImportedProject& project)
-      : options_(options), project_(project), folder_(options.out) {}
+  ProjectWriter(const ImportCommandOptions& options, const ImportedProject& project, AtomicFolder* folder)
+      : options_(options), project_(project), folder_(*folder) {}
 
   void write() {
     if (!project_.map.empty()) place(project_.map, map_name());
@@ -120,7 +130,7 @@ class ProjectWriter {
     write_scans();
     if (!project_.stamps_s.empty()) write_text_file(path("stamps.txt"), stamps_text());
     if (!project_.trajectory.empty()) write_tum(path("trajectory.txt"), project_.trajectory);
-    if (project_.rig) write_rig(path("rig.yaml"), *project_.rig);
+    if (project_.rig) write_rig(path(has_extrinsics(*project_.rig) ? "rig.yaml" : "cameras.yaml"), *project_.rig);
     if (project_.model) write_sparse_model_text(path("coarse"), *project_.model);
     write_text_file(path("project.yaml"), project_yaml());
     folder_.commit();
@@ -135,6 +145,7 @@ class ProjectWriter {
   void place(const std::string& source, const std::string& name) const {
     const fs::path target = path(name);
     std::error_code failure;
+    if (fs::path(source) == target) return;  // unpacked into its place
     if (!fs::is_regular_file(source)) throw Error(fmt::format("{}: no such file", source));
     fs::create_directories(target.parent_path(), failure);
     if (!failure && options_.copy) fs::copy_file(source, target, failure);
@@ -186,7 +197,8 @@ class ProjectWriter {
   std::string project_yaml() const {
     std::string text = fmt::format(
         "# Made by `cpplus import {}`. Each command takes its section: cpplus refine --config FILE\n", options_.format);
-    const bool can_pose = project_.rig && !project_.trajectory.empty() && !project_.images.empty() && !project_.model;
+    const bool can_pose = project_.rig && has_extrinsics(*project_.rig) && !project_.trajectory.empty() &&
+                          !project_.images.empty() && !project_.model;
     if (can_pose) {
       std::vector<std::pair<std::string, std::string>> keys = {
           {"trajectory", "trajectory.txt"}, {"rig", "rig.yaml"}, {"images", "images"}, {"out", "coarse"}};
@@ -212,7 +224,7 @@ class ProjectWriter {
 
   const ImportCommandOptions& options_;
   const ImportedProject& project_;
-  AtomicFolder folder_;
+  AtomicFolder& folder_;
 };
 
 void check_names(const ImportedProject& project, const std::string& source) {
@@ -241,11 +253,15 @@ ImportSummary import_command(const ImportCommandOptions& options) {
     throw UsageError(fmt::format("unknown format '{}': known are {}", options.format, fmt::join(known, ", ")));
   }
   if (!fs::exists(options.source)) throw Error(fmt::format("{}: no such file or folder", options.source));
-  ImportedProject project = importer->second(options);
+  AtomicFolder folder(options.out);
+  ImportedProject project = importer->second(options, folder.temporary().string());
   apply_overrides(options, &project);
   check_names(project, options.source);
-  ProjectWriter(options, project).write();
+  ProjectWriter(options, project, &folder).write();
   for (const std::string& note : project.notes) log_warning(note);
+  if (project.rig && !has_extrinsics(*project.rig)) {
+    log_warning(fmt::format("{}: cameras.yaml has no extrinsics; with camera_from_lidar it is a rig", options.out));
+  }
 
   ImportSummary summary;
   summary.has_map = !project.map.empty();

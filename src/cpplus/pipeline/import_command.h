@@ -5,9 +5,9 @@
 namespace cpplus {
 
 struct ImportCommandOptions {
-  /// colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam or r3live.
+  /// colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam, r3live or rosbag.
   std::string format;
-  /// What to import: a folder, or nerfstudio's transforms.json.
+  /// What to import: a folder, nerfstudio's transforms.json, or a bag.
   std::string source;
   /// Folder of the project, which must not exist or be empty.
   std::string out;
@@ -21,13 +21,18 @@ struct ImportCommandOptions {
   std::string stamps;
   std::string rig;
   std::string intrinsics;
+  /// Topics of a bag; "" = all of images, the only one of clouds (PointCloud2, Livox) and of poses (Odometry, else
+  /// Path).
+  std::string image_topic;
+  std::string lidar_topic;
+  std::string pose_topic;
 
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
     visitor("format", format,
-            "colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam or r3live. Required.");
-    visitor("source", source, "What to import: a folder, or transforms.json. Required.");
+            "colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam, r3live or rosbag. Required.");
+    visitor("source", source, "What to import: a folder, transforms.json or a bag. Required.");
     visitor("out", out, "Folder of the project, new or empty. Required.");
     visitor("copy", copy, "Copy images and clouds instead of linking to them.");
     visitor("map", map, "Point cloud to take as the map; empty = the source's.");
@@ -37,6 +42,9 @@ struct ImportCommandOptions {
     visitor("stamps", stamps, "File with the stamps of the images; empty = the source's.");
     visitor("rig", rig, "Cameras and extrinsics (see poses); empty = the source's.");
     visitor("intrinsics", intrinsics, "Camera of a FAST-LIVO2 rig where it is in a file of its own; empty = none.");
+    visitor("image_topic", image_topic, "Topic of a bag with the images; empty = all topics of images.");
+    visitor("lidar_topic", lidar_topic, "Topic of a bag with the scans; empty = the only topic of clouds.");
+    visitor("pose_topic", pose_topic, "Topic of a bag with odometry or a path; empty = the only one.");
   }
 };
 

@@ -7,6 +7,7 @@
 #include "cpplus/io/options_yaml.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/io/stamps_io.h"
+#include "cpplus/io/test_bag.h"
 #include "cpplus/io/test_files.h"
 #include "cpplus/io/trajectory_io.h"
 #include "cpplus/pipeline/colorize_command.h"
@@ -117,6 +118,25 @@ TEST_F(ImportCommand, ARigAndATrajectoryAreMadeIntoPosesLater) {
   EXPECT_TRUE(camera_center(model.images[0].camera_from_map).isApprox(Eigen::Vector3d(0.95, 0, 0), 1e-9));
   EXPECT_EQ(read.refine.stamps, path("project/coarse/stamps.txt"));
   EXPECT_TRUE(fs::exists(read.refine.stamps));
+}
+
+TEST_F(ImportCommand, ABagIsUnpackedIntoTheProject) {
+  testing_bag::BagBuilder bag;
+  for (int i = 0; i < 4; ++i) bag.add("/odom", "nav_msgs/Odometry", testing_bag::odometry(12.0 + 0.1 * i, i));
+  bag.add("/camera", "sensor_msgs/Image", testing_bag::image(12.125, "mono8", std::string(2, 'a')));
+  write("recorded.bag", bag.bytes());
+  write("rig.yaml",
+        "cameras: {camera: {model: PINHOLE, width: 2, height: 1, params: [3, 3, 1, 0.5],\n"
+        "  camera_from_lidar: {quaternion_wxyz: [0.5, 0.5, -0.5, 0.5], translation: [0, 0, 0]}}}\n");
+  ImportCommandOptions import = options("rosbag", "recorded.bag");
+  import.rig = path("rig.yaml");
+  EXPECT_EQ(import_command(import).num_images, 1u);
+  EXPECT_FALSE(fs::is_symlink(path("project/images/12.125000.png")));
+  EXPECT_EQ(poses_command(sections().poses).num_posed, 1u);
+  import.source = path("rig.yaml");
+  import.out = path("second");
+  EXPECT_ERROR(import_command(import), "rig.yaml: not a ROS 1 bag");
+  EXPECT_FALSE(fs::exists(path("second")));
 }
 
 TEST_F(ImportCommand, NothingIsLeftOfAFailure) {
