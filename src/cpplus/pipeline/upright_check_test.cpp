@@ -75,6 +75,7 @@ TEST(UprightCheck, RatesOverManyMounts) {
         const Quaterniond q = right.rotation;
         ++num_mounts;
         ASSERT_FALSE(check(right).mistake) << yaw_deg;
+        ASSERT_FALSE(check(mounted(yaw_deg * M_PI / 180.0, M_PI / 4.0, roll)).mistake) << yaw_deg << " pitched";
         num_inverted += check(inverse(right)).mistake.has_value();
         num_w_last += check(Rigid3(Quaterniond(q.x(), q.y(), q.z(), q.w()), Vector3d::Zero())).mistake.has_value();
         num_w_first += check(Rigid3(Quaterniond(q.z(), q.w(), q.x(), q.y()), Vector3d::Zero())).mistake.has_value();
@@ -85,9 +86,9 @@ TEST(UprightCheck, RatesOverManyMounts) {
   RecordProperty("inverted", num_inverted);
   RecordProperty("w_last", num_w_last);
   RecordProperty("w_first", num_w_first);
-  EXPECT_GT(num_inverted, num_mounts / 3);
-  EXPECT_GT(num_w_last, num_mounts / 3);
-  EXPECT_GT(num_w_first, num_mounts / 3);
+  EXPECT_GT(num_inverted, num_mounts * 6 / 10);
+  EXPECT_GT(num_w_last, num_mounts * 6 / 10);
+  EXPECT_GT(num_w_first, num_mounts * 6 / 10);
 }
 
 TEST(UprightCheck, SaysNothingWhereNoMistakeExplainsIt) {
