@@ -74,7 +74,8 @@ void add_images(const std::string& folder, const std::string& poses, const Rig& 
   }
   if (names.empty()) throw Error(fmt::format("{}: has no pose for any image of {}", poses, folder));
   if (num_without_pose > 0) {
-    project->notes.push_back(fmt::format("{}: {} images have no pose in {}", folder, num_without_pose, poses));
+    project->notes.push_back(fmt::format("{}: {} of {} images without a pose in {}", folder, num_without_pose,
+                                         project->images.size(), poses));
   }
   project->rig = rig;
   project->rig->cameras[0].camera = camera_of_saved_images(rig.cameras[0], project->images.front().path);
@@ -95,7 +96,8 @@ void add_scans(const std::string& folder, const Trajectory& map_from_body, Impor
     project->scan_poses.push_back(*pose);
   }
   if (num_without_pose > 0)
-    project->notes.push_back(fmt::format("{}: {} scans have no pose", folder, num_without_pose));
+    project->notes.push_back(fmt::format("{}: {} of {} scans without a pose, left out", folder, num_without_pose,
+                                         num_without_pose + project->scans.size()));
 }
 
 /// pcd_save.type of the configuration: 1 = scans are in the body's frame.

@@ -153,6 +153,7 @@ RigCamera rectified_camera(const std::string& date_folder) {
 }  // namespace
 
 ImportedProject import_kitti_raw(const std::string& folder) {
+  // With a slash at its end whether it was given or not, so that the parent is the folder itself.
   const fs::path drive = fs::absolute(folder / fs::path("")).lexically_normal().parent_path();
   const std::string date_folder = drive.parent_path().string();
   ImportedProject project;
@@ -184,8 +185,8 @@ ImportedProject import_kitti_raw(const std::string& folder) {
     project.scan_poses.push_back({scan_stamps[i], *map_from_lidar});
   }
   if (num_left_out > 0) {
-    project.notes.push_back(
-        fmt::format("{}: {} scans outside the trajectory left out", velodyne.string(), num_left_out));
+    project.notes.push_back(fmt::format("{}: {} of {} scans outside the trajectory, left out", velodyne.string(),
+                                        num_left_out, scans.size()));
   }
   return project;
 }

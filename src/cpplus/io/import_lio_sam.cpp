@@ -30,8 +30,8 @@ ImportedProject import_lio_sam(const std::string& folder) {
   if (ordered.trajectory.empty()) throw Error(fmt::format("{}: holds no poses", path));
   if (ordered.num_double > 0) {
     project.notes.push_back(
-        fmt::format("{}: {} poses with the stamp of another left out; an ascii file keeps too few digits", path,
-                    ordered.num_double));
+        fmt::format("{}: {} of {} poses with the stamp of another, left out; an ascii file keeps too few digits", path,
+                    ordered.num_double, poses.size()));
   }
   project.trajectory = ordered.trajectory;
   project.map = first_file(folder, {"GlobalMap.pcd", "cloudGlobal.pcd"});

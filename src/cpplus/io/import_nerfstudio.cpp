@@ -188,7 +188,8 @@ ImportedProject import_nerfstudio(const std::string& path) {
   }
   if (project.images.empty())
     throw Error(fmt::format("{}: none of its {} images is there", file, root["frames"].size()));
-  if (num_missing > 0) project.notes.push_back(fmt::format("{}: {} images are missing", file, num_missing));
+  if (num_missing > 0)
+    project.notes.push_back(fmt::format("{}: {} of {} images missing", file, num_missing, root["frames"].size()));
   if (root.contains("ply_file_path") && root["ply_file_path"].is_string()) {
     project.map = first_file(folder.string(), {root["ply_file_path"].get<std::string>()});
   }

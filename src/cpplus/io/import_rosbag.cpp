@@ -66,7 +66,7 @@ class BagImporter {
     give_cameras();
     for (const auto& [topic, failures] : failures_) {
       project_.notes.push_back(
-          fmt::format("{} messages of {} left out, the first: {}", failures.first, topic, failures.second));
+          fmt::format("{}: of {} left out: {}, the first: {}", bag_, topic, failures.first, failures.second));
     }
     return std::move(project_);
   }
@@ -164,7 +164,8 @@ class BagImporter {
       ++num_without_pose;
     }
     if (!is_registered && num_without_pose > 0) {
-      project_.notes.push_back(fmt::format("{}: {} scans outside the poses left out", bag_, num_without_pose));
+      project_.notes.push_back(
+          fmt::format("{}: {} of {} scans outside the poses, left out", bag_, num_without_pose, scans_.size()));
     }
   }
 

@@ -69,7 +69,7 @@ TEST_F(Rosbag, ImagesScansAndPosesComeOut) {
   ASSERT_EQ(scan.size(), 1u) << "a point at the origin is no return";
   EXPECT_EQ(scan.point(0), Vector3d(5, 1, 2));
   EXPECT_EQ(scan.intensities[0], 9.0f);
-  EXPECT_THAT(project.notes, testing::ElementsAre(testing::HasSubstr("1 scans outside the poses left out")));
+  EXPECT_THAT(project.notes, testing::ElementsAre(testing::HasSubstr("1 of 2 scans outside the poses, left out")));
   EXPECT_FALSE(std::filesystem::exists(path("out/scans/19.000000.pcd")));
   ASSERT_EQ(project.rig->cameras.size(), 1u);
   EXPECT_EQ(project.rig->cameras[0].camera.params(), (std::vector<double>{30, 31, 1.5, 0.5, 0.1, 0, 0, 0}));
@@ -100,7 +100,7 @@ TEST_F(Rosbag, CompressedImagesLivoxAndPath) {
   EXPECT_EQ(scan.stamps_s[0], 12.55);
   EXPECT_THAT(
       project.notes,
-      testing::ElementsAre(testing::HasSubstr("1 messages of /right left out, the first: " + path("a.bag") +
+      testing::ElementsAre(testing::HasSubstr("of /right left out: 1, the first: " + path("a.bag") +
                                               ": /right: a compressed image that is neither JPEG nor PNG: 'webp'")));
 }
 

@@ -77,7 +77,7 @@ TEST_F(Import, NerfstudioCamerasAreOpenGls) {
   EXPECT_EQ(project.map, path("cloud.ply"));
   EXPECT_EQ(project.images.size(), 2u);
   ASSERT_EQ(project.notes.size(), 1u);
-  EXPECT_THAT(project.notes[0], testing::HasSubstr("1 images are missing"));
+  EXPECT_THAT(project.notes[0], testing::HasSubstr("1 of 3 images missing"));
 }
 
 TEST_F(Import, BlenderGivesAnAngleOfView) {
@@ -208,7 +208,7 @@ TEST_F(Import, GlobalLvbaPosesAreTheImus) {
   EXPECT_EQ(project.rig->trajectory_frame, RigFrame::kBody);
   EXPECT_EQ(project.model->cameras.at(1).width(), 32) << "the saved images were scaled by half";
   EXPECT_NEAR(project.model->cameras.at(1).params()[2], 15.5, 1e-12);
-  EXPECT_THAT(project.notes, testing::ElementsAre(testing::HasSubstr("1 images have no pose")));
+  EXPECT_THAT(project.notes, testing::ElementsAre(testing::HasSubstr("1 of 3 images without a pose")));
   EXPECT_ERROR(import_global_lvba(path(""), "", ""), "no rig given");
 }
 

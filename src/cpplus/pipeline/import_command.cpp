@@ -71,8 +71,8 @@ void apply_overrides(const ImportCommandOptions& options, ImportedProject* proje
     const OrderedTrajectory ordered = order_by_stamp(read_pose_file(options.trajectory, options.times));
     project->trajectory = ordered.trajectory;
     if (ordered.num_double > 0) {
-      project->notes.push_back(
-          fmt::format("{}: {} poses with the stamp of another left out", options.trajectory, ordered.num_double));
+      project->notes.push_back(fmt::format("{}: {} of {} poses with the stamp of another, left out", options.trajectory,
+                                           ordered.num_double, ordered.num_double + ordered.trajectory.size()));
     }
   }
   if (!options.stamps.empty()) project->stamps_s = read_image_stamps(options.stamps, StampUnit::kAuto);

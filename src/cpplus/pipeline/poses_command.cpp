@@ -43,13 +43,15 @@ std::string images_text(size_t count) { return fmt::format("{} image{}", count, 
 
 Trajectory read_trajectory(const PosesCommandOptions& options) {
   const OrderedTrajectory ordered = order_by_stamp(read_pose_file(options.trajectory, options.times));
+  const size_t num_poses = ordered.trajectory.size() + ordered.num_double;
   if (ordered.num_out_of_order > 0) {
-    log_warning(fmt::format("{}: {} poses with a stamp before that of the pose above, sorted in; the first is at {} s",
-                            options.trajectory, ordered.num_out_of_order, ordered.first_out_of_order_s));
+    log_warning(
+        fmt::format("{}: {} of {} poses with a stamp before that of the pose above, sorted in; the first is at {} s",
+                    options.trajectory, ordered.num_out_of_order, num_poses, ordered.first_out_of_order_s));
   }
   if (ordered.num_double > 0) {
-    log_warning(fmt::format("{}: {} poses with the stamp of another (or nearly) skipped, the first is at {} s",
-                            options.trajectory, ordered.num_double, ordered.first_double_s));
+    log_warning(fmt::format("{}: {} of {} poses with the stamp of another (or nearly), skipped; the first is at {} s",
+                            options.trajectory, ordered.num_double, num_poses, ordered.first_double_s));
   }
   return ordered.trajectory;
 }

@@ -141,8 +141,9 @@ TEST_F(PosesCommand, ImagesWithoutAPoseAreNamedAndCounted) {
       warnings,
       HasSubstr("1 image with the stamp of another of the same camera skipped, the first is 'f.png' at 10.05 s"));
   EXPECT_THAT(warnings,
-              HasSubstr("2 poses with a stamp before that of the pose above, sorted in; the first is at 10.1 s"));
-  EXPECT_THAT(warnings, HasSubstr("1 poses with the stamp of another (or nearly) skipped, the first is at 10.1 s"));
+              HasSubstr("2 of 9 poses with a stamp before that of the pose above, sorted in; the first is at 10.1 s"));
+  EXPECT_THAT(warnings,
+              HasSubstr("1 of 9 poses with the stamp of another (or nearly), skipped; the first is at 10.1 s"));
   EXPECT_EQ(posed().size(), 2u);
 }
 
