@@ -114,6 +114,17 @@ TEST_F(Rosbag, CloudsInTheFrameOfThePosesAreNoScans) {
               testing::ElementsAre(testing::HasSubstr("/cloud_registered are in the frame map of the poses already")));
 }
 
+TEST_F(Rosbag, Lz4ChunksAreDecoded) {
+  BagBuilder bag;
+  for (int i = 0; i < 4; ++i) bag.add("/odom", "nav_msgs/Odometry", odometry(12.0 + 0.1 * i, i));
+  const ImportedProject plain = import_rosbag(write("a.bag", bag.bytes()), {}, path("out"));
+  const ImportedProject packed = import_rosbag(write("b.bag", bag.lz4_bytes()), {}, path("out"));
+  ASSERT_EQ(packed.trajectory.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(packed.trajectory[i].map_from_sensor.translation, plain.trajectory[i].map_from_sensor.translation);
+  }
+}
+
 TEST_F(Rosbag, SeveralTopicsNeedAChoice) {
   BagBuilder bag;
   bag.add("/odom", "nav_msgs/Odometry", odometry(12.0, 0));
@@ -138,9 +149,11 @@ TEST_F(Rosbag, BadBagsAreNamed) {
   };
   expect("#ROSBAG V1.2\n", "a.bag: not a ROS 1 bag of format 2.0");
   expect("SQLite format 3", "a.bag: not a ROS 1 bag of format 2.0");
-  expect(bag.bytes("lz4"), "a.bag: its chunks are compressed (lz4)");
+  expect(bag.bytes("bz2"), "a.bag: its chunks are compressed (bz2)");
+  expect(bag.bytes("lz4"), "a.bag: its LZ4 data do not begin as a frame does");
   expect(bag.bytes().substr(0, 400), "a.bag: truncated: ");
   expect("#ROSBAG V2.0\n" + text(text("op")) + text(""), "a.bag: a record's header is broken");
+  expect("#ROSBAG V2.0\n" + text("ab") + text(""), "a.bag: a record's header is broken");
   BagBuilder broken;
   broken.add("/odom", "nav_msgs/Odometry", odometry(12.0, 0).substr(0, 40));
   EXPECT_THAT(import_rosbag(write("a.bag", broken.bytes()), {}, path("out")).notes,

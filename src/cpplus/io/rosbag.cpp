@@ -5,10 +5,12 @@
 #include <cstring>
 #include <map>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/block_reader.h"
-#include "cpplus/io/text_parse.h"
+#include "cpplus/io/lz4.h"
 
 namespace cpplus {
 namespace {
@@ -35,8 +37,9 @@ T load(const void* data) {
 Fields parse_fields(const std::string& path, std::string_view bytes) {
   Fields fields;
   while (!bytes.empty()) {
-    const uint32_t length = bytes.size() >= 4 ? load<uint32_t>(bytes.data()) : UINT32_MAX;
-    if (length > bytes.size() - 4) throw Error(fmt::format("{}: a record's header is broken", path));
+    const bool has_length = bytes.size() >= 4;
+    const uint32_t length = has_length ? load<uint32_t>(bytes.data()) : 0;
+    if (!has_length || length > bytes.size() - 4) throw Error(fmt::format("{}: a record's header is broken", path));
     const std::string_view field = bytes.substr(4, length);
     const size_t equals = field.find('=');
     if (equals == std::string_view::npos) throw Error(fmt::format("{}: a record's header is broken", path));
@@ -60,85 +63,120 @@ struct Connection {
   std::string type;
 };
 
+/// The records of a chunk that was decoded into memory, read as those of a file are.
+class MemoryReader {
+ public:
+  MemoryReader(const std::string& path, std::vector<uint8_t> bytes) : path_(path), bytes_(std::move(bytes)) {}
+
+  uint64_t remaining() const { return bytes_.size() - at_; }
+  const uint8_t* take(size_t size) {
+    if (size > remaining()) throw Error(fmt::format("{}: a chunk is broken off", path_));
+    at_ += size;
+    return bytes_.data() + at_ - size;
+  }
+  void skip(uint64_t size) { take(size); }
+
+ private:
+  const std::string& path_;
+  std::vector<uint8_t> bytes_;
+  size_t at_ = 0;
+};
+
 class BagReader {
  public:
-  explicit BagReader(const std::string& path) : reader_(path) {
+  BagReader(const std::string& path, const std::function<void(const BagMessage&)>& take_message)
+      : path_(path), take_message_(take_message) {}
+
+  void read() {
+    BlockReader file(path_);
     std::string_view line;
-    if (!reader_.take_line(&line) || line != "#ROSBAG V2.0") {
-      throw Error(fmt::format("{}: not a ROS 1 bag of format 2.0", path));
+    if (!file.take_line(&line) || line != "#ROSBAG V2.0") {
+      throw Error(fmt::format("{}: not a ROS 1 bag of format 2.0", path_));
     }
+    read_records(&file);
   }
 
-  void read(const std::function<void(const BagMessage&)>& take_message) {
-    while (reader_.remaining() > 0) {
-      const Fields fields = parse_fields(reader_.path(), take_bytes());
-      switch (number_of<uint8_t>(reader_.path(), fields, "op")) {
+ private:
+  template <typename Reader>
+  void read_records(Reader* reader) {
+    while (reader->remaining() > 0) {
+      const Fields fields = parse_fields(path_, take_bytes(reader));
+      switch (number_of<uint8_t>(path_, fields, "op")) {
         case kChunk:
-          enter_chunk(fields);
+          enter_chunk(fields, reader);
           break;
         case kConnection:
-          add_connection(fields);
+          add_connection(fields, take_bytes(reader));
           break;
         case kMessage:
-          hand_out(fields, take_message);
+          hand_out(fields, take_bytes(reader));
           break;
         default:
-          reader_.skip(take_length());
+          reader->skip(take_length(reader));
       }
     }
   }
 
- private:
-  uint32_t take_length() {
-    const uint32_t length = load<uint32_t>(reader_.take(4));
-    if (length > reader_.remaining()) {
-      throw Error(
-          fmt::format("{}: truncated: {} bytes announced, {} left", reader_.path(), length, reader_.remaining()));
+  template <typename Reader>
+  uint32_t take_length(Reader* reader) {
+    const uint32_t length = load<uint32_t>(reader->take(4));
+    if (length > reader->remaining()) {
+      throw Error(fmt::format("{}: truncated: {} bytes announced, {} left", path_, length, reader->remaining()));
     }
     return length;
   }
 
-  std::string_view take_bytes() {
-    const uint32_t length = take_length();
-    return {reinterpret_cast<const char*>(reader_.take(length)), length};
+  template <typename Reader>
+  std::string_view take_bytes(Reader* reader) {
+    const uint32_t length = take_length(reader);
+    return {reinterpret_cast<const char*>(reader->take(length)), length};
   }
 
-  /// The records of a chunk that is not compressed simply follow.
-  void enter_chunk(const Fields& fields) {
-    const auto compression = fields.find("compression");
-    if (compression == fields.end() || compression->second != "none") {
+  template <typename Reader>
+  void enter_chunk(const Fields& fields, Reader* reader) {
+    const auto found = fields.find("compression");
+    const std::string compression = found == fields.end() ? "?" : found->second;
+    if (compression == "none") {
+      take_length(reader);  // its records simply follow
+    } else if (compression == "lz4") {
+      const std::string_view bytes = take_bytes(reader);
+      MemoryReader chunk(path_, decode_lz4_frame(path_, reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(),
+                                                 number_of<uint32_t>(path_, fields, "size")));
+      if (++depth_ > 1) throw Error(fmt::format("{}: a chunk inside a chunk", path_));
+      read_records(&chunk);
+      --depth_;
+    } else {
       throw Error(fmt::format("{}: its chunks are compressed ({}); `rosbag decompress` makes a bag that can be read",
-                              reader_.path(), compression == fields.end() ? "?" : compression->second));
+                              path_, compression));
     }
-    take_length();
   }
 
-  void add_connection(const Fields& fields) {
-    const uint32_t id = number_of<uint32_t>(reader_.path(), fields, "conn");
+  void add_connection(const Fields& fields, std::string_view data) {
+    const uint32_t id = number_of<uint32_t>(path_, fields, "conn");
     const auto topic = fields.find("topic");
-    const Fields details = parse_fields(reader_.path(), take_bytes());
+    const Fields details = parse_fields(path_, data);
     const auto type = details.find("type");
-    if (topic == fields.end() || type == details.end())
-      throw Error(fmt::format("{}: a connection is broken", reader_.path()));
+    if (topic == fields.end() || type == details.end()) throw Error(fmt::format("{}: a connection is broken", path_));
     connections_[id] = {topic->second, type->second};
   }
 
-  void hand_out(const Fields& fields, const std::function<void(const BagMessage&)>& take_message) {
-    const auto connection = connections_.find(number_of<uint32_t>(reader_.path(), fields, "conn"));
-    const std::string_view bytes = take_bytes();
-    if (connection == connections_.end()) throw Error(fmt::format("{}: a message of no connection", reader_.path()));
-    take_message({connection->second.topic, connection->second.type, reinterpret_cast<const uint8_t*>(bytes.data()),
-                  bytes.size()});
+  void hand_out(const Fields& fields, std::string_view data) {
+    const auto connection = connections_.find(number_of<uint32_t>(path_, fields, "conn"));
+    if (connection == connections_.end()) throw Error(fmt::format("{}: a message of no connection", path_));
+    take_message_({connection->second.topic, connection->second.type, reinterpret_cast<const uint8_t*>(data.data()),
+                   data.size()});
   }
 
-  BlockReader reader_;
+  const std::string& path_;
+  const std::function<void(const BagMessage&)>& take_message_;
   std::map<uint32_t, Connection> connections_;
+  int depth_ = 0;  // chunks that are decoded at the moment
 };
 
 }  // namespace
 
 void read_bag(const std::string& path, const std::function<void(const BagMessage&)>& take_message) {
-  BagReader(path).read(take_message);
+  BagReader(path, take_message).read();
 }
 
 }  // namespace cpplus

@@ -37,15 +37,23 @@ class BagBuilder {
     chunk_ += record(op(0x02) + field("conn", bytes_of(ids_[topic])) + field("time", bytes_of(uint64_t{0})), message);
   }
 
-  std::string bytes(const std::string& compression = "none") const {
-    return "#ROSBAG V2.0\n" + record(op(0x03) + field("index_pos", bytes_of(uint64_t{0})), std::string(60, ' ')) +
-           record(op(0x05) + field("compression", compression) +
-                      field("size", bytes_of(static_cast<uint32_t>(chunk_.size()))),
-                  chunk_) +
-           record(op(0x04) + field("ver", bytes_of(uint32_t{1})), "index");
+  std::string bytes(const std::string& compression = "none") const { return bag_of(compression, chunk_); }
+
+  /// The chunk as an LZ4 frame whose one block is stored as it is.
+  std::string lz4_bytes() const {
+    const std::string head("\x04\x22\x4d\x18\x60\x70\x00", 7);
+    const std::string block_size = bytes_of(static_cast<uint32_t>(chunk_.size()) | 0x80000000u);
+    return bag_of("lz4", head + block_size + chunk_ + std::string(4, '\0'));
   }
 
  private:
+  std::string bag_of(const std::string& compression, const std::string& data) const {
+    const std::string size = bytes_of(static_cast<uint32_t>(chunk_.size()));
+    return "#ROSBAG V2.0\n" + record(op(0x03) + field("index_pos", bytes_of(uint64_t{0})), std::string(60, ' ')) +
+           record(op(0x05) + field("compression", compression) + field("size", size), data) +
+           record(op(0x04) + field("ver", bytes_of(uint32_t{1})), "index");
+  }
+
   std::string chunk_;
   std::map<std::string, uint32_t> ids_;
 };
