@@ -44,6 +44,37 @@ std::string file_part(const std::string& topic) {
 
 std::string stamp_name(double stamp_s) { return fmt::format("{:.6f}", stamp_s); }
 
+/// Frames that are fixed to each other.
+class FrameTree {
+ public:
+  void add(const std::vector<RosTransform>& transforms) {
+    for (const RosTransform& transform : transforms) {
+      neighbours_[transform.parent][transform.child] = transform.parent_from_child;
+      neighbours_[transform.child][transform.parent] = inverse(transform.parent_from_child);
+    }
+  }
+
+  /// a_from_b, over as many frames between as it takes; nothing where they are not connected.
+  std::optional<Rigid3> find(const std::string& a, const std::string& b) const {
+    if (a.empty() || b.empty()) return {};
+    std::map<std::string, Rigid3> a_from = {{a, Rigid3{}}};
+    std::vector<std::string> to_visit = {a};
+    for (size_t i = 0; i < to_visit.size() && a_from.count(b) == 0; ++i) {
+      const auto neighbours = neighbours_.find(to_visit[i]);
+      if (neighbours == neighbours_.end()) continue;
+      for (const auto& [frame, this_from_frame] : neighbours->second) {
+        if (!a_from.emplace(frame, a_from.at(neighbours->first) * this_from_frame).second) continue;
+        to_visit.push_back(frame);
+      }
+    }
+    const auto found = a_from.find(b);
+    return found == a_from.end() ? std::nullopt : std::optional(found->second);
+  }
+
+ private:
+  std::map<std::string, std::map<std::string, Rigid3>> neighbours_;
+};
+
 class BagImporter {
  public:
   BagImporter(const std::string& bag, const RosbagTopics& topics, const std::string& folder)
@@ -96,6 +127,8 @@ class BagImporter {
         take_poses(where, message);
       } else if (message.type == "sensor_msgs/CameraInfo" && cameras_.count(message.topic) == 0) {
         cameras_.insert_or_assign(message.topic, parse_ros_camera_info(where, message.data, message.size));
+      } else if (message.topic == "/tf_static") {
+        frames_.add(parse_ros_transforms(where, message.data, message.size));
       }
     } catch (const Error& error) {
       auto& [count, first] = failures_[message.topic];
@@ -141,6 +174,7 @@ class BagImporter {
     }
     const RosPoses poses = parse_ros_odometry(where, message.data, message.size);
     poses_read_.frame = poses.frame;
+    poses_read_.child = poses.child;
     poses_read_.poses.push_back(poses.poses.front());
   }
 
@@ -152,12 +186,14 @@ class BagImporter {
       project_.notes.push_back(fmt::format("{}: the clouds of {} are in the frame {} of the poses already, left out",
                                            bag_, lidar_, lidar_frame_));
     }
+    // Where the tree of transforms does not say it, the poses are taken for the LiDAR's own.
+    const Rigid3 sensor_from_lidar = frames_.find(poses_read_.child, lidar_frame_).value_or(Rigid3{});
     size_t num_without_pose = 0;
     for (const auto& [stamp_s, file] : scans_) {
       const std::optional<Rigid3> pose = is_registered ? std::nullopt : spline.map_from_sensor(stamp_s);
       if (pose) {
         project_.scans.push_back(file);
-        project_.scan_poses.push_back({stamp_s, *pose});
+        project_.scan_poses.push_back({stamp_s, *pose * sensor_from_lidar});
         continue;
       }
       fs::remove(file.path);
@@ -169,16 +205,36 @@ class BagImporter {
     }
   }
 
-  /// Cameras without extrinsics: a bag's are in the tree of transforms, if at all.
+  /// The cameras of camera_info, with the extrinsics that /tf_static gives: on what the poses are of (the body), and on
+  /// the LiDAR.
   void give_cameras() {
-    if (cameras_.empty()) return;
-    project_.rig.emplace();
-    for (const auto& [topic, camera] : cameras_) {
-      RigCamera rig_camera;
-      rig_camera.name = file_part(topic);
-      rig_camera.camera = camera;
-      project_.rig->cameras.push_back(rig_camera);
+    Rig rig;
+    bool all_on_body = true;
+    for (const auto& [topic, info] : cameras_) {
+      const std::optional<std::string> images = images_beside(topic);
+      if (!images && cameras_.size() > 1) continue;  // no images are taken of this one
+      RigCamera camera;
+      camera.name = file_part(topic);
+      camera.camera = info.camera;
+      if (images && images_.size() > 1) camera.image_prefix = file_part(*images) + "/";
+      camera.camera_from_body = frames_.find(info.frame, poses_read_.child);
+      camera.camera_from_lidar = frames_.find(info.frame, lidar_frame_);
+      all_on_body = all_on_body && camera.camera_from_body;
+      rig.cameras.push_back(camera);
     }
+    if (rig.cameras.empty()) return;
+    rig.trajectory_frame = all_on_body ? RigFrame::kBody : RigFrame::kLidar;
+    project_.rig = rig;
+  }
+
+  /// The topic of images in the same name space as one of camera_info: "/left/image_raw/compressed" for
+  /// "/left/camera_info".
+  std::optional<std::string> images_beside(const std::string& camera_topic) const {
+    const std::string name_space = camera_topic.substr(0, camera_topic.find_last_of('/') + 1);
+    for (const std::string& topic : images_) {
+      if (topic.starts_with(name_space)) return topic;
+    }
+    return {};
   }
 
   std::string bag_;
@@ -190,7 +246,8 @@ class BagImporter {
   std::string lidar_frame_;
   RosPoses poses_read_;
   std::vector<std::pair<double, SourceFile>> scans_;
-  std::map<std::string, Camera> cameras_;
+  std::map<std::string, RosCameraInfo> cameras_;
+  FrameTree frames_;
   std::map<std::string, std::pair<size_t, std::string>> failures_;
 };
 

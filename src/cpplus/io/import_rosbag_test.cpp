@@ -76,6 +76,38 @@ TEST_F(Rosbag, ImagesScansAndPosesComeOut) {
   EXPECT_FALSE(project.rig->cameras[0].camera_from_lidar);
 }
 
+/// parent_from_child as tf gives it: translation, then quaternion with w last.
+std::string transform(const std::string& parent, const std::string& child, const std::vector<double>& values) {
+  std::string message = header(0.0, parent) + text(child);
+  for (const double value : values) message += bytes_of(value);
+  return message;
+}
+
+TEST_F(Rosbag, ExtrinsicsComeFromTheStaticTransforms) {
+  BagBuilder bag;
+  for (int i = 0; i < 4; ++i) bag.add("/odom", "nav_msgs/Odometry", odometry(12.0 + 0.1 * i, i));
+  bag.add("/camera/image", "sensor_msgs/Image", image(12.125, "mono8", "ab"));
+  bag.add("/camera/camera_info", "sensor_msgs/CameraInfo", camera_info());
+  bag.add("/other/camera_info", "sensor_msgs/CameraInfo", camera_info());
+  bag.add("/points", "sensor_msgs/PointCloud2", point_cloud(12.1, "lidar"));
+  // The LiDAR stands 1 m above the base; the camera looks along the base's x axis, 0.5 m ahead of it.
+  bag.add("/tf_static", "tf2_msgs/TFMessage",
+          bytes_of(uint32_t{2}) + transform("base", "lidar", {0, 0, 1, 0, 0, 0, 1}) +
+              transform("/base", "camera", {0.5, 0, 0, -0.5, 0.5, -0.5, 0.5}));
+  const ImportedProject project = import_rosbag(write("a.bag", bag.bytes()), {}, path("out"));
+  ASSERT_EQ(project.rig->cameras.size(), 1u) << "of the other camera there are no images";
+  const RigCamera& camera = project.rig->cameras[0];
+  EXPECT_EQ(camera.name, "camera_camera_info");
+  EXPECT_EQ(project.rig->trajectory_frame, RigFrame::kBody);
+  const Vector3d of_body = camera.camera_from_body.value() * Vector3d(5.5, 1, 2);
+  EXPECT_LT((of_body - Vector3d(-1, -2, 5)).norm(), 1e-12) << of_body.transpose();
+  const Vector3d of_lidar = camera.camera_from_lidar.value() * Vector3d(5.5, 1, 1);
+  EXPECT_LT((of_lidar - Vector3d(-1, -2, 5)).norm(), 1e-12) << of_lidar.transpose();
+  ASSERT_EQ(project.scan_poses.size(), 1u);
+  EXPECT_LT((project.scan_poses[0].map_from_sensor.translation - Vector3d(1, 2, 4)).norm(), 1e-9);
+  EXPECT_LT((project.trajectory[1].map_from_sensor.translation - Vector3d(1, 2, 3)).norm(), 1e-9);
+}
+
 TEST_F(Rosbag, CompressedImagesLivoxAndPath) {
   write_png(path("a.png"), ColorImage(2, 1));
   BagBuilder bag;

@@ -71,8 +71,8 @@ struct RosbagTopics {
 };
 
 /// A ROS 1 bag. Images and scans are written into `folder`, as images/ and scans/; scans only where there are poses.
-/// Messages that cannot be read are left out and counted in the notes. `rig` has the cameras of camera_info, without
-/// extrinsics.
+/// Messages that cannot be read are left out and counted in the notes. `rig` has the cameras of camera_info, with the
+/// extrinsics of /tf_static where they are.
 ImportedProject import_rosbag(const std::string& bag, const RosbagTopics& topics, const std::string& folder);
 
 }  // namespace cpplus

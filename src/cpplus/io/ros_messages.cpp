@@ -45,7 +45,13 @@ class Cursor {
   RosHeader header() {
     take<uint32_t>();  // seq
     const double stamp_s = stamp();
-    return {stamp_s, text()};
+    return {stamp_s, frame()};
+  }
+
+  /// A frame's name; some drivers begin it with a slash.
+  std::string frame() {
+    const std::string name = text();
+    return name.starts_with("/") ? name.substr(1) : name;
   }
 
   Rigid3 pose() {
@@ -228,8 +234,8 @@ RosCloud parse_livox_custom(const std::string& where, const uint8_t* data, size_
 RosPoses parse_ros_odometry(const std::string& where, const uint8_t* data, size_t size) {
   Cursor cursor(where, data, size);
   const RosHeader header = cursor.header();
-  cursor.text();  // child_frame_id
-  return {header.frame, {{header.stamp_s, cursor.pose()}}};
+  const std::string child = cursor.frame();
+  return {header.frame, child, {{header.stamp_s, cursor.pose()}}};
 }
 
 RosPoses parse_ros_path(const std::string& where, const uint8_t* data, size_t size) {
@@ -244,16 +250,30 @@ RosPoses parse_ros_path(const std::string& where, const uint8_t* data, size_t si
   return poses;
 }
 
-Camera parse_ros_camera_info(const std::string& where, const uint8_t* data, size_t size) {
+RosCameraInfo parse_ros_camera_info(const std::string& where, const uint8_t* data, size_t size) {
   Cursor cursor(where, data, size);
-  cursor.header();
+  const std::string frame = cursor.header().frame;
   const int height = static_cast<int>(cursor.take<uint32_t>());
   const int width = static_cast<int>(cursor.take<uint32_t>());
   const std::string model = cursor.text();
   const uint32_t count = cursor.take<uint32_t>();
   const std::vector<double> distortion = cursor.doubles(count);
   const std::vector<double> k = cursor.doubles(9);
-  return ros_camera(where, width, height, model, k, distortion);
+  return {frame, ros_camera(where, width, height, model, k, distortion)};
+}
+
+std::vector<RosTransform> parse_ros_transforms(const std::string& where, const uint8_t* data, size_t size) {
+  Cursor cursor(where, data, size);
+  std::vector<RosTransform> transforms;
+  const uint32_t count = cursor.take<uint32_t>();
+  for (uint32_t i = 0; i < count; ++i) {
+    RosTransform transform;
+    transform.parent = cursor.header().frame;
+    transform.child = cursor.frame();
+    transform.parent_from_child = cursor.pose();  // translation and quaternion, in the order of a pose
+    transforms.push_back(transform);
+  }
+  return transforms;
 }
 
 }  // namespace cpplus

@@ -35,10 +35,22 @@ struct RosCloud {
   PointCloud cloud;
 };
 
-/// Poses of something in a frame.
+/// Poses of something (its frame is `child`; "" = not said) in a frame.
 struct RosPoses {
   std::string frame;
+  std::string child;
   std::vector<StampedPose> poses;
+};
+
+struct RosCameraInfo {
+  std::string frame;
+  Camera camera;
+};
+
+struct RosTransform {
+  std::string parent;
+  std::string child;
+  Rigid3 parent_from_child;
 };
 
 /// sensor_msgs/Image of 8 bits a channel: rgb8, bgr8, rgba8, bgra8, mono8.
@@ -60,6 +72,9 @@ RosPoses parse_ros_odometry(const std::string& where, const uint8_t* data, size_
 RosPoses parse_ros_path(const std::string& where, const uint8_t* data, size_t size);
 
 /// sensor_msgs/CameraInfo.
-Camera parse_ros_camera_info(const std::string& where, const uint8_t* data, size_t size);
+RosCameraInfo parse_ros_camera_info(const std::string& where, const uint8_t* data, size_t size);
+
+/// tf2_msgs/TFMessage.
+std::vector<RosTransform> parse_ros_transforms(const std::string& where, const uint8_t* data, size_t size);
 
 }  // namespace cpplus
