@@ -15,7 +15,7 @@ TrajectorySpline::TrajectorySpline(const Trajectory& trajectory, double max_gap_
     stamps_s_.push_back(pose.stamp_s);
     knots_.push_back(knot);
   }
-  rates_.assign(knots_.size(), Knot::Constant(std::numeric_limits<double>::quiet_NaN()));
+  rates_.assign(knots_.size(), Knot::Zero());
   size_t begin = 0;
   for (size_t i = 1; i <= knots_.size(); ++i) {
     if (i < knots_.size() && stamps_s_[i] - stamps_s_[i - 1] <= max_gap_s_) continue;
@@ -84,39 +84,20 @@ Coverage TrajectorySpline::coverage(double stamp_s) const {
   return *after - *(after - 1) > max_gap_s_ ? Coverage::kInGap : Coverage::kCovered;
 }
 
-std::optional<TrajectorySpline::Sample> TrajectorySpline::sample(double stamp_s) const {
+std::optional<Rigid3> TrajectorySpline::map_from_sensor(double stamp_s) const {
   if (coverage(stamp_s) != Coverage::kCovered) return {};
   const auto after = std::lower_bound(stamps_s_.begin(), stamps_s_.end(), stamp_s);
   const size_t i = static_cast<size_t>(after - stamps_s_.begin());
-  if (stamps_s_[i] == stamp_s) return Sample{knots_[i], rates_[i]};
-  // Cubic Hermite polynomial between the knots i - 1 and i.
-  const double step = stamps_s_[i] - stamps_s_[i - 1];
-  const double u = (stamp_s - stamps_s_[i - 1]) / step;
-  const Knot rise = knots_[i] - knots_[i - 1];
-  const Knot from = step * rates_[i - 1] - rise;
-  const Knot to = rise - step * rates_[i];
-  const Knot bend = (1.0 - u) * from + u * to;
-  Sample sample;
-  sample.value = knots_[i - 1] + u * rise + u * (1.0 - u) * bend;
-  sample.rate = (rise + (1.0 - 2.0 * u) * bend + u * (1.0 - u) * (to - from)) / step;
-  return sample;
-}
-
-std::optional<Rigid3> TrajectorySpline::map_from_sensor(double stamp_s) const {
-  const std::optional<Sample> at = sample(stamp_s);
-  if (!at) return {};
-  return Rigid3(Eigen::Quaterniond(Eigen::Vector4d(at->value.tail<4>())), at->value.head<3>());
-}
-
-std::optional<Vector6d> TrajectorySpline::velocity(double stamp_s) const {
-  const std::optional<Sample> at = sample(stamp_s);
-  if (!at || !at->rate.allFinite()) return {};
-  const Eigen::Quaterniond q(Eigen::Vector4d(at->value.tail<4>()));
-  const Eigen::Quaterniond q_rate(Eigen::Vector4d(at->rate.tail<4>()));
-  // conj(q) q' = |q|^2 (0, omega / 2) + a real part from the change of the length, which the normalisation drops.
-  Vector6d velocity;
-  velocity << 2.0 * (q.conjugate() * q_rate).vec() / q.squaredNorm(), q.normalized().conjugate() * at->rate.head<3>();
-  return velocity;
+  Knot value = knots_[i];
+  if (stamps_s_[i] != stamp_s) {
+    // Cubic Hermite polynomial between the knots i - 1 and i.
+    const double step = stamps_s_[i] - stamps_s_[i - 1];
+    const double u = (stamp_s - stamps_s_[i - 1]) / step;
+    const Knot rise = knots_[i] - knots_[i - 1];
+    const Knot bend = (1.0 - u) * (step * rates_[i - 1] - rise) + u * (rise - step * rates_[i]);
+    value = knots_[i - 1] + u * rise + u * (1.0 - u) * bend;
+  }
+  return Rigid3(Eigen::Quaterniond(Eigen::Vector4d(value.tail<4>())), value.head<3>());
 }
 
 }  // namespace cpplus

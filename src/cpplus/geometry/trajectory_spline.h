@@ -13,7 +13,7 @@ namespace cpplus {
 /// Where an instant lies with respect to a trajectory.
 enum class Coverage { kCovered, kBefore, kAfter, kInGap };
 
-/// A smooth curve through the poses of a trajectory, for the pose and velocity at any instant inside it.
+/// A smooth curve through the poses of a trajectory, for the pose at any instant inside it.
 ///
 /// Translation and unit quaternion (as a 4-vector, signs aligned) are interpolated by cubic splines with continuous
 /// second derivatives over the stamps as they are, evenly spaced or not, with not-a-knot ends; the quaternion is then
@@ -34,18 +34,9 @@ class TrajectorySpline {
   /// map_from_sensor at the instant; nothing where coverage() is not kCovered.
   std::optional<Rigid3> map_from_sensor(double stamp_s) const;
 
-  /// Velocity as the perturbation per second of geometry/rigid3.h, in the sensor's own frame: rotation (rad/s), then
-  /// translation (m/s). Nothing where coverage() is not kCovered, and on a pose that stands alone between gaps.
-  std::optional<Vector6d> velocity(double stamp_s) const;
-
  private:
   using Knot = Eigen::Matrix<double, 7, 1>;  // translation, then quaternion x y z w
 
-  struct Sample {
-    Knot value;
-    Knot rate;  // per second
-  };
-  std::optional<Sample> sample(double stamp_s) const;
   void solve_rates(size_t begin, size_t end);
 
   std::vector<double> stamps_s_;

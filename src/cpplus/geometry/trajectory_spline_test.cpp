@@ -62,12 +62,10 @@ TEST(TrajectorySpline, CubicMotionIsReproducedExactly) {
     const TrajectorySpline spline(trajectory);
     const double end = trajectory.back().stamp_s;
     EXPECT_LT(worst_error(spline, cubic, trajectory.front().stamp_s, end).position_m, 1e-12);
-    EXPECT_NEAR(spline.velocity(end).value()(3), 3 * end * end - 1, 1e-11);
   }
   const TrajectorySpline parabola(
       sample([](double t) { return Rigid3(Eigen::Quaterniond::Identity(), Vector3d(t * t, 0, 0)); }, 2, 1));
   EXPECT_NEAR(parabola.map_from_sensor(0.5).value().translation.x(), 0.25, 1e-15);
-  EXPECT_NEAR(parabola.velocity(2.0).value()(3), 4.0, 1e-14);
 }
 
 TEST(TrajectorySpline, PassesThroughItsKnots) {
@@ -129,18 +127,6 @@ TEST(TrajectorySpline, QuaternionsOfEitherSignAreTheSameMotion) {
             1e-14);
 }
 
-TEST(TrajectorySpline, VelocityIsTheDerivative) {
-  const TrajectorySpline spline(sample(walk, 4.0, 0.1));
-  constexpr double kStep = 1e-5;
-  for (const double t : {0.013, 1.05, 2.0, 3.96}) {
-    const auto sensor_from_map = [&](double at) { return inverse(*spline.map_from_sensor(at)); };
-    const Vector6d numeric = (camera_difference(sensor_from_map(t), sensor_from_map(t + kStep)) -
-                              camera_difference(sensor_from_map(t), sensor_from_map(t - kStep))) /
-                             (2.0 * kStep);
-    EXPECT_LT((*spline.velocity(t) - numeric).norm(), 1e-6) << t;
-  }
-}
-
 TEST(TrajectorySpline, GapsAndEndsAreNotBridged) {
   Trajectory trajectory = sample(walk, 1.0, 0.1);
   trajectory.push_back({3.0, walk(3.0)});
@@ -156,7 +142,6 @@ TEST(TrajectorySpline, GapsAndEndsAreNotBridged) {
   EXPECT_EQ(TrajectorySpline().coverage(0.0), Coverage::kBefore);
   EXPECT_FALSE(spline.map_from_sensor(1.5));
   EXPECT_TRUE(spline.map_from_sensor(3.0));
-  EXPECT_FALSE(spline.velocity(3.0)) << "a pose that stands alone has no velocity";
   EXPECT_LT(worst_error(spline, walk, 0.0, 0.999).position_m, 0.002) << "the gap must not bend the curve";
   EXPECT_TRUE(TrajectorySpline(trajectory).map_from_sensor(1.5)) << "without a limit there is no gap";
 }

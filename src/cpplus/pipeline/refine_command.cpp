@@ -111,7 +111,7 @@ class ModelRefiner {
     std::map<uint32_t, SharedErrors> shared;
     if (stamps_.empty() || !options_.joint) return shared;
     for (const auto& [camera, sequence] : sequences()) {
-      const TrajectorySpline way(trajectory_.empty() ? coarse_trajectory(sequence) : trajectory_);
+      const Trajectory way = trajectory_.empty() ? coarse_trajectory(sequence) : trajectory_;
       std::vector<std::optional<Vector6d>> velocities;
       for (const auto& [time, i] : sequence) {
         velocities.push_back(camera_velocity(way, time, model_.images[i].camera_from_map));
