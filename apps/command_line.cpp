@@ -5,6 +5,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cassert>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/log.h"
@@ -66,13 +67,28 @@ CLI::App* CommandLine::add_command(const std::string& name, const std::string& s
       ->type_name("FILE")
       ->group("Global");
   for (const OptionField& field : list_options(global_)) add_flag(command, field);
-  commands_.emplace_back(command, std::move(run_command));
+  commands_.push_back({command, std::move(run_command), {}});
   return command;
 }
 
 void CommandLine::add_options(CLI::App* command, const std::vector<OptionField>& fields) {
   for (const OptionField& field : fields) add_flag(command, field);
   fields_.insert(fields_.end(), fields.begin(), fields.end());
+  commands_.back().fields = fields;
+}
+
+const CommandLine::Command* CommandLine::find(const std::string& name) const {
+  const auto is_it = [&](const Command& command) { return command.app->get_name() == name; };
+  const auto found = std::find_if(commands_.begin(), commands_.end(), is_it);
+  return found == commands_.end() ? nullptr : &*found;
+}
+
+bool CommandLine::has_command(const std::string& name) const { return find(name) != nullptr; }
+
+RunStep CommandLine::step(const std::string& name) const {
+  const Command* command = find(name);
+  assert(command != nullptr);
+  return {name, command->fields, command->run};
 }
 
 void CommandLine::add_flag(CLI::App* command, const OptionField& field) {
@@ -95,7 +111,7 @@ void CommandLine::add_flag(CLI::App* command, const OptionField& field) {
 std::string CommandLine::defaults_yaml() const { return options_to_yaml(fields_); }
 
 int CommandLine::run(int argc, const char* const* argv) {
-  const auto is_first_argument = [&](const auto& command) { return command.first->check_name(argv[1]); };
+  const auto is_first_argument = [&](const auto& command) { return command.app->check_name(argv[1]); };
   if (argc > 1 && argv[1][0] != '-' && std::none_of(commands_.begin(), commands_.end(), is_first_argument)) {
     throw UsageError(fmt::format("unknown command '{}' (see cpplus --help)", argv[1]));
   }
@@ -112,8 +128,8 @@ int CommandLine::run(int argc, const char* const* argv) {
   global_.validate();
   set_num_threads(global_.threads);
   set_quiet(global_.quiet);
-  for (const auto& [app, run_app] : commands_) {
-    if (app->parsed()) run_app();
+  for (const Command& command_of : commands_) {
+    if (command_of.app->parsed()) command_of.run();
   }
   return 0;
 }

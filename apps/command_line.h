@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cpplus/core/option_list.h"
+#include "cpplus/pipeline/run_steps.h"
 
 namespace cpplus {
 
@@ -33,16 +34,25 @@ class CommandLine {
   /// A command without options of its own, so far: the caller may add positional arguments to what is returned.
   CLI::App* add_command(const std::string& name, const std::string& summary, std::function<void()> run_command);
 
-  /// A command that runs on options merged from defaults, file and flags, once they are valid.
+  /// A command that runs on options merged from defaults, file and flags, once they are valid. As above for positional
+  /// arguments.
   template <typename Options>
-  void add_command(const std::string& name, const std::string& summary, void (*run_command)(const Options&)) {
+  CLI::App* add_command(const std::string& name, const std::string& summary,
+                        std::function<void(const Options&)> run_command) {
     const auto options = std::make_shared<Options>();
     CLI::App* command = add_command(name, summary, [options, run_command] {
       options->validate();
       run_command(*options);
     });
     add_options(command, list_options(*options, name));
+    return command;
   }
+
+  bool has_command(const std::string& name) const;
+  /// A command with its options, as they are once the command line is parsed, to be run as a part of another.
+  RunStep step(const std::string& name) const;
+  /// The file given with --config; "" = none.
+  const std::string& config() const { return config_; }
 
   /// Every option of every command at its default, as YAML with comments.
   std::string defaults_yaml() const;
@@ -60,7 +70,13 @@ class CommandLine {
   std::string config_;
   std::vector<OptionField> fields_;
   std::vector<std::pair<OptionField, std::string>> overrides_;  // what the flags gave, in their order
-  std::vector<std::pair<CLI::App*, std::function<void()>>> commands_;
+  struct Command {
+    CLI::App* app = nullptr;
+    std::function<void()> run;
+    std::vector<OptionField> fields;
+  };
+  const Command* find(const std::string& name) const;
+  std::vector<Command> commands_;
 };
 
 }  // namespace cpplus

@@ -8,7 +8,10 @@ namespace cpplus {
 void add_clean_command(CommandLine* command_line);
 void add_colorize_command(CommandLine* command_line);
 void add_evaluate_command(CommandLine* command_line);
+void add_import_command(CommandLine* command_line);
+void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);
+void add_run_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);
 void add_simulate_command(CommandLine* command_line);
 void add_config_command(CommandLine* command_line);

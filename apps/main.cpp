@@ -28,7 +28,10 @@ int main(int argc, char** argv) {
     cpplus::add_clean_command(&command_line);
     cpplus::add_colorize_command(&command_line);
     cpplus::add_evaluate_command(&command_line);
+    cpplus::add_import_command(&command_line);
+    cpplus::add_poses_command(&command_line);
     cpplus::add_refine_command(&command_line);
+    cpplus::add_run_command(&command_line);
     cpplus::add_info_command(&command_line);
     cpplus::add_simulate_command(&command_line);
     cpplus::add_config_command(&command_line);

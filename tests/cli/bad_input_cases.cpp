@@ -189,6 +189,139 @@ Cases text_cases() {
   };
 }
 
+Arguments import(const TinyScene& scene, const std::string& format, const std::string& source) {
+  return {"import", format, scene.path(source), "--out", scene.path("out")};
+}
+
+BadInputCase import_transforms(const std::string& json) {
+  return [=](const TinyScene& scene) {
+    scene.write("transforms.json", json);
+    return import(scene, "nerfstudio", "transforms.json");
+  };
+}
+
+Cases import_cases() {
+  const auto of = [](const std::string& format, const std::string& source) {
+    return [=](const TinyScene& scene) { return import(scene, format, source); };
+  };
+  const auto frame = [](const std::string& x, const std::string& number) {
+    return "{\"fl_x\": 60, \"frames\": [{\"file_path\": \"images/a.png\", \"transform_matrix\": [[" + number +
+           ", 0, 0, " + x + "], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]}";
+  };
+  return {
+      {"format to import that is not known", of("rtabmap", "images")},
+      {"import without a source",
+       [](const TinyScene& scene) {
+         return Arguments{"import", "kitti", "--out", scene.path("out")};
+       }},
+      {"source to import does not exist", of("colmap", "none")},
+      {"import into a folder that is in use",
+       [](const TinyScene& scene) {
+         return with_flag(import(scene, "colmap", "model"), "--out", scene.path("images"));
+       }},
+      {"COLMAP folder without a model", of("colmap", "images")},
+      {"transforms.json that is not JSON", import_transforms("{\"frames\": [")},
+      {"transforms.json without its images", import_transforms("{\"frames\": [{\"file_path\": \"gone.png\"}]}")},
+      {"transform matrix with a word", import_transforms(frame("\"one\"", "1"))},
+      {"transform matrix that stretches", import_transforms(frame("0", "2"))},
+      {"KITTI sequence without calibration", of("kitti", "images")},
+      {"KITTI drive without calibration", of("kitti-raw", "images")},
+      {"FAST-LIVO2 output without its configuration",
+       [](const TinyScene& scene) {
+         std::filesystem::create_directories(scene.path("image"));
+         scene.write("image/image_poses.txt", "10 0 0 0 0 0 0 1\n");
+         return import(scene, "fast-livo2", ".");
+       }},
+      {"LIO-SAM poses without angles",
+       [](const TinyScene& scene) {
+         std::filesystem::create_directories(scene.path("lio_sam"));
+         scene.write("lio_sam/transformations.pcd", pcd("x y z", {"0 0 0"}));
+         return import(scene, "lio-sam", "lio_sam");
+       }},
+      {"bag that is none", of("rosbag", "stamps.txt")},
+      {"R3LIVE output without a map", of("r3live", "images")},
+  };
+}
+
+Cases run_cases() {
+  const auto with_config = [](const TinyScene& scene, const std::string& yaml) {
+    scene.write("config.yaml", yaml);
+    return Arguments{"run", "--config", scene.path("config.yaml")};
+  };
+  return {
+      {"run without a configuration", [](const TinyScene&) { return Arguments{"run"}; }},
+      {"run of a configuration without steps",
+       [=](const TinyScene& scene) { return with_config(scene, "threads: 1\n"); }},
+      {"run of a step that fails",
+       [=](const TinyScene& scene) {
+         return with_config(scene, "poses: {trajectory: t, images: i, out: " + scene.path("out") +
+                                       ", rig: " + scene.path("none.yaml") + "}\n");
+       }},
+  };
+}
+
+BadInputCase poses_flag(const std::string& flag, const std::string& value) {
+  return [=](const TinyScene& scene) {
+    return with_flag(scene.poses(), flag, value.starts_with("DIR/") ? scene.path(value.substr(4)) : value);
+  };
+}
+
+BadInputCase poses_after_writing(const std::string& file, const std::string& text) {
+  return [=](const TinyScene& scene) {
+    scene.write(file, text);
+    return scene.poses();
+  };
+}
+
+BadInputCase poses_after_replacing(const std::string& file, const std::string& from, const std::string& to) {
+  return [=](const TinyScene& scene) {
+    scene.replace(file, from, to);
+    return scene.poses();
+  };
+}
+
+Cases poses_rig_cases() {
+  return {
+      {"rig that does not exist", poses_flag("--rig", "DIR/none.yaml")},
+      {"rig that is not YAML", poses_after_writing("rig.yaml", "cameras: [\n")},
+      {"rig of no known format", poses_after_writing("rig.yaml", "camera: 1\n")},
+      {"unknown key in the rig", poses_after_replacing("rig.yaml", "{model", "{readout: 0.03, model")},
+      {"bad quaternion in the rig", poses_after_replacing("rig.yaml", "[0.5, 0.5", "[1, 0.5")},
+      {"rig without the extrinsic that is needed", poses_flag("--trajectory-frame", "body")},
+      {"inverted extrinsic", poses_after_replacing("rig.yaml", "[0.5, 0.5, -0.5, 0.5]", "[0.5, -0.5, 0.5, -0.5]")},
+      {"rig of another image size",
+       poses_after_replacing("rig.yaml", "width: 64, height: 48", "width: 128, height: 96")},
+  };
+}
+
+Cases poses_stamp_cases() {
+  const std::string standing = " 0 0 0 0 0 0 1\n";
+  return {
+      {"KITTI trajectory without times", poses_after_writing("trajectory.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n")},
+      {"csv trajectory without a header", poses_after_writing("trajectory.txt", "9,0,0,0,0,0,0,1\n")},
+      {"trajectory pose that is no rotation",
+       poses_after_replacing("trajectory.txt", "10 0 0 0 0 0 0 1", "10 0 0 0 0 0 0 2")},
+      {"trajectory with a double stamp",
+       poses_after_writing("trajectory.txt", "9" + standing + "10" + standing + "10" + standing + "11" + standing)},
+      {"trajectory out of order",
+       poses_after_writing("trajectory.txt", "9" + standing + "11" + standing + "10" + standing)},
+      {"image outside the trajectory", poses_after_replacing("stamps.txt", "10.5", "12.5")},
+      {"image in a gap of the trajectory", poses_flag("--max-gap-s", "0.5")},
+      {"image without a stamp", poses_after_writing("stamps.txt", "a.png 10\n")},
+      {"image with the stamp of another", poses_after_replacing("stamps.txt", "10.5", "10.0")},
+      {"no image inside the trajectory", poses_after_writing("stamps.txt", "a.png 110\nb.png 111\n")},
+      {"images numbered instead of stamped",
+       [](const TinyScene& scene) {
+         std::filesystem::create_directory(scene.path("numbered"));
+         scene.write("numbered/000001.png", "");
+         return with_flag(with_flag(scene.poses(), "--stamps", ""), "--images", scene.path("numbered"));
+       }},
+      {"stamps of images without names", poses_after_writing("stamps.txt", "10.0\n")},
+      {"unknown unit of stamps", poses_flag("--stamp-unit", "days")},
+      {"coarse model below a file", poses_flag("--out", "DIR/map.pcd/coarse")},
+  };
+}
+
 BadInputCase refine_after_writing(const std::string& file, const std::string& text) {
   return [=](const TinyScene& scene) {
     scene.write(file, text);
@@ -356,8 +489,9 @@ Cases usage_cases() {
 
 Cases bad_input_cases() {
   Cases all;
-  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), refine_cases(), clean_cases(),
-                     evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
+  for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), run_cases(),
+                     poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), evaluate_cases(),
+                     simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

@@ -120,6 +120,7 @@ TEST(TinyScene, IsGoodBeforeItIsSpoilt) {
   const std::string model = scene.path("model");
   for (const auto& arguments : {scene.colorize(),
                                 scene.clean(),
+                                scene.poses(),
                                 {"info", scene.directory()},
                                 {"evaluate", "--estimate", model, "--reference", model}}) {
     const ProcessResult result = run_cpplus(arguments);

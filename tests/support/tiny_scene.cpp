@@ -54,6 +54,9 @@ TinyScene::TinyScene(std::string directory) : directory_(std::move(directory)) {
   write("model/points3D.txt", "");
   write("stamps.txt", "a.png 10.0\nb.png 10.5\n");
   write("trajectory.txt", "9 0 0 0 0 0 0 1\n10 0 0 0 0 0 0 1\n11 -0.2 0 0 0 0 0 1\n");
+  write("rig.yaml",
+        "cameras:\n  front:\n    {model: PINHOLE, width: 64, height: 48, params: [60, 60, 32, 24],\n"
+        "     camera_from_lidar: {quaternion_wxyz: [0.5, 0.5, -0.5, 0.5], translation: [0, 0, 0]}}\n");
   for (const char* name : {"images/a.png", "images/b.png"}) write_png(path(name), checkered(64, 48));
 }
 
@@ -95,6 +98,14 @@ std::vector<std::string> TinyScene::refine(const std::vector<std::string>& more)
 std::vector<std::string> TinyScene::clean(const std::vector<std::string>& more) const {
   std::vector<std::string> arguments = {"clean", "--scans",      path("scans"), "--poses", path("scans/poses.txt"),
                                         "--out", path("out.ply")};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+std::vector<std::string> TinyScene::poses(const std::vector<std::string>& more) const {
+  std::vector<std::string> arguments = {
+      "poses",    "--trajectory",     path("trajectory.txt"), "--rig", path("rig.yaml"), "--images", path("images"),
+      "--stamps", path("stamps.txt"), "--max-gap-s",          "1.5",   "--out",          path("out")};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

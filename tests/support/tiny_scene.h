@@ -6,7 +6,7 @@
 namespace cpplus {
 
 /// The smallest good input of every command, below one folder: a wall of 1200 points 3 m in front of two 64x48 images
-/// (a.png, b.png), a COLMAP text model, stamps, a trajectory, and the wall as two scans with poses. Tests spoil one
+/// (a.png, b.png), a COLMAP text model, stamps, a trajectory, a rig, and the wall as two scans with poses. Tests spoil one
 /// thing of it at a time.
 class TinyScene {
  public:
@@ -28,6 +28,7 @@ class TinyScene {
   std::vector<std::string> colorize(const std::vector<std::string>& more = {}) const;
   std::vector<std::string> refine(const std::vector<std::string>& more = {}) const;
   std::vector<std::string> clean(const std::vector<std::string>& more = {}) const;
+  std::vector<std::string> poses(const std::vector<std::string>& more = {}) const;
   /// `colorize` with another value for one flag.
   std::vector<std::string> colorize_with(const std::string& flag, const std::string& value) const;
 

@@ -39,6 +39,15 @@ void split_words(std::string_view text, std::vector<std::string_view>* words) {
   for (std::string_view word = next_word(&text); !word.empty(); word = next_word(&text)) words->push_back(word);
 }
 
+void split_at_commas(std::string_view text, std::vector<std::string_view>* parts) {
+  parts->clear();
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    parts->push_back(trim(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+}
+
 std::optional<double> parse_double(std::string_view word) { return parse<double>(word); }
 std::optional<int64_t> parse_int(std::string_view word) { return parse<int64_t>(word); }
 std::optional<uint64_t> parse_uint(std::string_view word) { return parse<uint64_t>(word); }

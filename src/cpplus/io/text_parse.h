@@ -16,6 +16,9 @@ std::string_view next_word(std::string_view* text);
 
 void split_words(std::string_view text, std::vector<std::string_view>* words);
 
+/// The parts between commas, without blanks at their ends; an empty text has one empty part.
+void split_at_commas(std::string_view text, std::vector<std::string_view>* parts);
+
 /// The whole word as a number, whatever the locale; nothing when it is not one. "nan" and "inf" are numbers.
 std::optional<double> parse_double(std::string_view word);
 std::optional<int64_t> parse_int(std::string_view word);
