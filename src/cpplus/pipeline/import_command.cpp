@@ -205,9 +205,12 @@ class ProjectWriter {
       if (!project_.stamps_s.empty()) keys.insert(keys.begin() + 3, {"stamps", "stamps.txt"});
       text += section("poses", keys);
     }
-    if (project_.map.empty() || project_.images.empty() || (!project_.model && !can_pose)) return text;
-    std::vector<std::pair<std::string, std::string>> keys = {
-        {"map", map_name()}, {"images", "images"}, {"poses", "coarse"}};
+    // Without a map the scans make one, of what stands still.
+    const bool makes_map = project_.map.empty() && !project_.scans.empty();
+    const std::string map = makes_map ? "static_map.pcd" : map_name();
+    if (makes_map) text += section("clean", {{"scans", "scans"}, {"poses", "scans/poses.txt"}, {"out", map}});
+    if ((project_.map.empty() && !makes_map) || project_.images.empty() || (!project_.model && !can_pose)) return text;
+    std::vector<std::pair<std::string, std::string>> keys = {{"map", map}, {"images", "images"}, {"poses", "coarse"}};
     if (can_pose) {
       keys.emplace_back("stamps", "coarse/stamps.txt");
     } else if (!project_.stamps_s.empty()) {
@@ -217,8 +220,8 @@ class ProjectWriter {
       keys.emplace_back("trajectory", "trajectory.txt");
     keys.emplace_back("out", "refined");
     text += section("refine", keys);
-    text += section("colorize",
-                    {{"map", map_name()}, {"images", "images"}, {"poses", "refined/sparse"}, {"out", "coloured.ply"}});
+    text +=
+        section("colorize", {{"map", map}, {"images", "images"}, {"poses", "refined/sparse"}, {"out", "coloured.ply"}});
     return text;
   }
 

@@ -10,6 +10,7 @@
 #include "cpplus/io/test_bag.h"
 #include "cpplus/io/test_files.h"
 #include "cpplus/io/trajectory_io.h"
+#include "cpplus/pipeline/clean_command.h"
 #include "cpplus/pipeline/colorize_command.h"
 #include "cpplus/pipeline/poses_command.h"
 #include "cpplus/pipeline/refine_command.h"
@@ -54,6 +55,7 @@ class ImportCommand : public FileTest {
 
   /// The sections that commands would take of project.yaml.
   struct Sections {
+    CleanCommandOptions clean;
     PosesCommandOptions poses;
     RefineCommandOptions refine;
     ColorizeCommandOptions colorize;
@@ -61,6 +63,7 @@ class ImportCommand : public FileTest {
   Sections sections() const {
     Sections sections;
     std::vector<OptionField> fields = list_options(sections.poses, "poses");
+    for (const OptionField& field : list_options(sections.clean, "clean")) fields.push_back(field);
     for (const OptionField& field : list_options(sections.refine, "refine")) fields.push_back(field);
     for (const OptionField& field : list_options(sections.colorize, "colorize")) fields.push_back(field);
     read_options_yaml(path("project/project.yaml"), fields);
@@ -95,6 +98,19 @@ TEST_F(ImportCommand, KittiProjectIsWhole) {
   EXPECT_EQ(read.colorize.poses, path("project/refined/sparse"));
   read.refine.validate();
   read.colorize.validate();
+}
+
+TEST_F(ImportCommand, ScansWithoutAMapMakeOne) {
+  write_kitti();
+  import_command(options("kitti", "07"));
+  const Sections read = sections();
+  EXPECT_EQ(read.clean.scans, path("project/scans"));
+  EXPECT_EQ(read.clean.poses, path("project/scans/poses.txt"));
+  EXPECT_EQ(read.clean.out, path("project/static_map.pcd"));
+  EXPECT_EQ(read.refine.map, read.clean.out);
+  EXPECT_EQ(read.colorize.map, read.clean.out);
+  read.clean.validate();
+  read.refine.validate();
 }
 
 TEST_F(ImportCommand, ARigAndATrajectoryAreMadeIntoPosesLater) {

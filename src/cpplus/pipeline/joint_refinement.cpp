@@ -1,10 +1,12 @@
 #include "cpplus/pipeline/joint_refinement.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/core/stopwatch.h"
+#include "cpplus/refine/surface_match_residual.h"
 
 namespace cpplus {
 namespace {
@@ -14,6 +16,14 @@ constexpr size_t kNearestImages = 12;
 constexpr size_t kMaxPartners = 4;
 // Least share of an image's patches that a partner should see.
 constexpr double kMinOverlap = 0.15;
+
+// NaN of nothing.
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 bool takes_part(const ImageReport& report) {
   return report.status == ImageStatus::kRefined || report.status == ImageStatus::kKeptCoarse;
@@ -60,7 +70,8 @@ class JointRefiner {
       problem.images[i].camera_from_map = start_[i];
       problem.images[i].edges = &views_[i].edges;
     }
-    problem.matches = match_surfaces();
+    const std::vector<std::vector<SurfaceMatch>> matches = match_surfaces();
+    for (const auto& some : matches) problem.matches.insert(problem.matches.end(), some.begin(), some.end());
     const RefinePoseOptions& refine = options_.refine;
     const JointEdgeOptions edges{refine.first_radius_px,
                                  refine.last_radius_px,
@@ -68,6 +79,7 @@ class JointRefiner {
                                  {refine.image_sigma_px, refine.edge_sigma_px}};
     JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
     judge(result);
+    measure_surfaces(matches, result);
     return result;
   }
 
@@ -85,7 +97,8 @@ class JointRefiner {
     });
   }
 
-  std::vector<SurfaceMatch> match_surfaces() {
+  // A list for each participant.
+  std::vector<std::vector<SurfaceMatch>> match_surfaces() {
     std::vector<std::vector<SurfaceMatch>> matches(participants_.size());
     Progress progress("match surfaces", participants_.size());
     parallel_for_each(participants_.size(), [&](size_t k) {
@@ -101,9 +114,23 @@ class JointRefiner {
       reports_[i].milliseconds.emplace_back("match_surfaces", watch.lap());
       progress.advance();
     });
-    std::vector<SurfaceMatch> all;
-    for (const std::vector<SurfaceMatch>& some : matches) all.insert(all.end(), some.begin(), some.end());
-    return all;
+    return matches;
+  }
+
+  void measure_surfaces(const std::vector<std::vector<SurfaceMatch>>& matches, const JointResult& result) {
+    for (size_t k = 0; k < participants_.size(); ++k) {
+      std::vector<double> before, after;
+      for (const SurfaceMatch& m : matches[k]) {
+        const auto residual = [&](const Rigid3& a, const Rigid3& b, std::vector<double>* distances) {
+          const auto r = surface_match_residual(m, camera_of(m.image_a), a, camera_of(m.image_b), b);
+          if (r) distances->push_back(r->residual.norm());
+        };
+        residual(input_.model.images[m.image_a].camera_from_map, input_.model.images[m.image_b].camera_from_map,
+                 &before);
+        residual(result.poses[m.image_a].camera_from_map, result.poses[m.image_b].camera_from_map, &after);
+      }
+      reports_[participants_[k]].surfaces = {static_cast<int>(matches[k].size()), median(before), median(after)};
+    }
   }
 
   // Of the nearest images those that see most of this one's patches.

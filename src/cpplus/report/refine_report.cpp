@@ -61,6 +61,9 @@ Json image_json(const ImageReport& image) {
   json["covariance"] = matrix_json(r.covariance);
   json["eigenvalues"] = matrix_json(Eigen::Matrix<double, 1, 6>(r.information_eigenvalues.transpose()))[0];
   json["weak_directions"] = r.weak_directions;
+  json["surfaces"] = {{"matches", image.surfaces.num_matches},
+                      {"before_median_px", number(image.surfaces.before_median_px)},
+                      {"after_median_px", number(image.surfaces.after_median_px)}};
   json["predicted_shift_px"] = number(r.predicted_shift_px);
   return json;
 }

@@ -16,6 +16,13 @@ enum class ImageStatus { kRefined, kKeptCoarse, kBlurred, kOutsideMap, kUnreadab
 /// "refined", "kept_coarse", "blurred", "outside_map", "unreadable".
 std::string status_name(ImageStatus status);
 
+/// How far patches of the map's planes, as this image shows them, are from where other images show them.
+struct SurfaceResidual {
+  int num_matches = 0;
+  double before_median_px = 0.0;  // by the coarse poses
+  double after_median_px = 0.0;   // by the poses of the joint solve, accepted or not
+};
+
 struct ImageReport {
   std::string name;
   ImageStatus status = ImageStatus::kKeptCoarse;
@@ -23,6 +30,7 @@ struct ImageReport {
   Rigid3 camera_from_map;
   int num_map_edges = 0;    // that should be seen
   RefinePoseResult refine;  // figures; defaults where it was not reached
+  SurfaceResidual surfaces;
   double sharpness = 0.0;
   std::vector<std::pair<std::string, double>> milliseconds;  // a stage each, in order
 };

@@ -28,6 +28,8 @@ ImageReport image_report() {
   r.covariance(0, 5) = r.covariance(5, 0) = 0.5;
   r.information_eigenvalues << 0.5, 2, 3, 4, 5, 6;
   r.weak_directions = {"translation z"};
+  r.predicted_shift_px = 0.8;
+  image.surfaces = {40, 7.0, 0.4};
   return image;
 }
 
@@ -59,6 +61,10 @@ TEST(RefineReport, HoldsTheFiguresUnderTheirNames) {
   EXPECT_EQ(image["covariance"][0][5], 0.5);
   EXPECT_EQ(image["eigenvalues"][0], 0.5);
   EXPECT_EQ(image["weak_directions"], nlohmann::json::array({"translation z"}));
+  EXPECT_EQ(image["predicted_shift_px"], 0.8);
+  EXPECT_EQ(image["surfaces"]["matches"], 40);
+  EXPECT_EQ(image["surfaces"]["before_median_px"], 7.0);
+  EXPECT_EQ(image["surfaces"]["after_median_px"], 0.4);
 }
 
 TEST(RefineReport, NumbersThatDoNotExistAreNull) {
