@@ -23,8 +23,8 @@ struct RefineCommandOptions {
   /// TUM file with poses of the LiDAR (map_from_lidar), whose velocity the time offset is found by; "" = the coarse
   /// poses do. Takes stamps.
   std::string trajectory;
-  /// Lets the images inform each other: one whose pose is doubtful is looked for again where its neighbours in time
-  /// predict it.
+  /// Solves all images together after each has been refined on its own; one whose pose is doubtful is first looked for
+  /// again where the others expect it.
   bool joint = true;
   /// Leaves images that were not refined out of the output model.
   bool only_refined = false;
@@ -41,7 +41,7 @@ struct RefineCommandOptions {
     visitor("stamps", stamps, "File with the instant of each image, NAME SECONDS a line; empty = the model's order.");
     visitor("trajectory", trajectory,
             "TUM poses of the LiDAR, for the time offset; empty = the coarse poses. Takes stamps.");
-    visitor("joint", joint, "Look for doubtful poses again where their neighbours in time predict them.");
+    visitor("joint", joint, "Solve all images together after each has been refined on its own.");
     visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
     stages.visit(visitor);
   }

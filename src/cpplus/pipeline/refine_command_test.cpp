@@ -79,6 +79,7 @@ class RefineCommand : public testing::Test {
   static void expect_good_images_nearer_to_the_truth();
   static void expect_bad_images_named();
   static void expect_all_keys_in_the_report();
+  static void expect_what_the_images_share();
 
   static const nlohmann::json& image(size_t i) { return report_["images"][i]; }
 
@@ -169,12 +170,74 @@ void RefineCommand::expect_all_keys_in_the_report() {
   }
 }
 
+void RefineCommand::expect_what_the_images_share() {
+  ASSERT_EQ(report_["shared"].size(), 1u) << "one camera";
+  const nlohmann::json& shared = report_["shared"]["1"];
+  EXPECT_EQ(shared["images"], 6);
+  EXPECT_EQ(shared["time_offset_s"], 0.0) << "without stamps there is nothing to find it by";
+  EXPECT_NEAR(shared["time_offset_sigma_s"].get<double>(), JointOptions().time_offset_sigma_s, 1e-9);
+  ASSERT_EQ(shared["extrinsic"].size(), 6u);
+  ASSERT_EQ(shared["extrinsic_sigmas"].size(), 6u);
+  for (const nlohmann::json& sigma : shared["extrinsic_sigmas"]) EXPECT_GT(sigma.get<double>(), 0.0);
+}
+
 // One test, as each test is a process of its own that simulates the world anew.
 TEST_F(RefineCommand, RefinesTheGoodImagesAndNamesTheBadOnes) {
   expect_a_row_for_every_image();
   expect_good_images_nearer_to_the_truth();
   expect_bad_images_named();
   expect_all_keys_in_the_report();
+  expect_what_the_images_share();
+}
+
+/// The mean over the images of how far a model's surfaces are seen from where they should be, pixels.
+double mean_shift_px(const fs::path& world, const fs::path& model) {
+  EvaluateOptions options;
+  options.reference = (world / "truth/on_map").string();
+  options.depth = (world / "truth/depth").string();
+  options.depth_poses = (world / "truth").string();
+  options.estimate = model.string();
+  double sum = 0.0;
+  const ModelComparison comparison = evaluate_models(options);
+  for (const auto& image : comparison.images) sum += image.shift.mean_px;
+  return sum / static_cast<double>(comparison.images.size());
+}
+
+TEST(RefineCommandJoint, ImagesTogetherFindMoreThanEachAlone) {
+  const fs::path world = fs::path(testing::TempDir()) / ("refine_command_joint_" + std::to_string(getpid()));
+  SimulateOptions simulation;
+  simulation.width = 480;
+  simulation.height = 360;
+  simulation.images = 8;
+  simulation.blurred = 0;
+  simulation.moving = false;
+  simulation.scans = 8;
+  simulation.lidar.azimuth_steps = 600;
+  simulation.lidar.rings = 32;
+  simulation.render.samples_per_pixel = 2;
+  simulate(simulation, world.string());
+
+  RefineCommandOptions options;
+  options.map = (world / "map.pcd").string();
+  options.images = (world / "images").string();
+  options.poses = (world / "coarse_medium").string();
+  options.stamps = (world / "stamps.txt").string();
+  options.out = (world / "together").string();
+  refine_command(options);
+  options.joint = false;
+  options.out = (world / "alone").string();
+  refine_command(options);
+
+  const double together = mean_shift_px(world, world / "together/sparse");
+  const double alone = mean_shift_px(world, world / "alone/sparse");
+  EXPECT_LT(alone, 0.5 * mean_shift_px(world, world / "coarse_medium"));
+  EXPECT_LT(together, 0.9 * alone);
+  const auto report = nlohmann::json::parse(std::ifstream(world / "together/report.json"));
+  const nlohmann::json& shared = report["shared"]["1"];
+  EXPECT_EQ(shared["images"], 8);
+  EXPECT_LT(shared["time_offset_sigma_s"].get<double>(), JointOptions().time_offset_sigma_s);
+  EXPECT_TRUE(nlohmann::json::parse(std::ifstream(world / "alone/report.json"))["shared"].empty());
+  fs::remove_all(world);
 }
 
 TEST_F(RefineCommand, OneThreadAndTwoWriteTheSameBytes) {

@@ -89,7 +89,9 @@ class JointSolver {
 
   void group_matches() {
     std::map<std::pair<size_t, size_t>, std::vector<const SurfaceMatch*>> pairs;
-    for (const SurfaceMatch& m : problem_.matches) pairs[{m.image_a, m.image_b}].push_back(&m);
+    for (const SurfaceMatch& m : problem_.matches) {
+      if (in_sequence_[m.image_a] && in_sequence_[m.image_b]) pairs[{m.image_a, m.image_b}].push_back(&m);
+    }
     const double own = options_.patch_sigma_px * options_.patch_sigma_px;
     const double common = options_.plane_sigma_px * options_.plane_sigma_px;
     for (auto& [images, matches] : pairs) {
@@ -121,6 +123,7 @@ class JointSolver {
   }
 
   EdgeTerm own_term(size_t i, const Rigid3& pose) const {
+    if (!in_sequence_[i]) return {};
     return problem_.images[i].observed ? observation_term(*problem_.images[i].observed, pose) : edge_term(i, pose);
   }
 
