@@ -34,7 +34,8 @@ struct RangeRaster {
     return range.contains(cell.x(), cell.y()) ? range.at(cell.x(), cell.y()) : 0.0f;
   }
   Eigen::Vector2i cell_of(const Eigen::Vector2f& pixel) const {
-    return ((pixel.array() + 0.5f) / static_cast<float>(cell_px)).floor().cast<int>();
+    const float inverse_cell = 1.0f / static_cast<float>(cell_px);
+    return ((pixel.array() + 0.5f) * inverse_cell).floor().cast<int>();
   }
   /// Image pixel of the top-left corner of a cell.
   Eigen::Vector2d corner_of(const Eigen::Vector2i& cell) const {
