@@ -376,7 +376,8 @@ TEST(Camera, ManyPointsProjectAsOneByOne) {
     for (size_t i = 0; i < points.size(); ++i) {
       const auto pixel = camera.project(points[i].cast<double>());
       ASSERT_EQ(pixel.has_value(), !pixels[i].hasNaN()) << name;
-      if (pixel) ASSERT_EQ(pixels[i], pixel->cast<float>()) << name;
+      if (!pixel) continue;
+      ASSERT_EQ(pixels[i], pixel->cast<float>()) << name;
     }
   }
 }

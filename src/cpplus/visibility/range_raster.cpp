@@ -31,22 +31,23 @@ Surfel surfel_of(const ProjectedPoint& point) {
 float range_of(Surfel surfel) { return std::bit_cast<float>(static_cast<uint32_t>(surfel >> 32)); }
 float spacing_of(Surfel surfel) { return std::bit_cast<float>(static_cast<uint32_t>(surfel)); }
 
-// Spreads each surfel of a row over its square's width, the nearest winning, and writes the result as a column.
-void dilate_rows(const Image<Surfel>& in, float cell_px, Image<Surfel>* transposed) {
-  std::vector<Surfel> row(static_cast<size_t>(in.width));
+// Spreads each surfel over its square, the nearest winning.
+Image<Surfel> dilate(const Image<Surfel>& in, float cell_px) {
+  Image<Surfel> out = in;
   for (int y = 0; y < in.height; ++y) {
-    const Surfel* from = &in.at(0, y);
-    std::copy(from, from + in.width, row.begin());
     for (int x = 0; x < in.width; ++x) {
-      if (from[x] == kNothing) continue;
-      const int half = half_cells(spacing_of(from[x]), cell_px);
+      const Surfel surfel = in.at(x, y);
+      if (surfel == kNothing) continue;
+      const int half = half_cells(spacing_of(surfel), cell_px);
+      const int first = std::max(0, x - half);
       const int last = std::min(in.width - 1, x + half);
-      for (int u = std::max(0, x - half); u <= last; ++u) {
-        row[static_cast<size_t>(u)] = std::min(row[static_cast<size_t>(u)], from[x]);
+      for (int v = std::max(0, y - half); v <= std::min(in.height - 1, y + half); ++v) {
+        Surfel* row = &out.at(0, v);
+        for (int u = first; u <= last; ++u) row[u] = std::min(row[u], surfel);
       }
     }
-    for (int x = 0; x < in.width; ++x) transposed->at(y, x) = row[static_cast<size_t>(x)];
   }
+  return out;
 }
 
 // The largest range within the square's width of the surfel that won a cell, as a column.
@@ -72,6 +73,11 @@ struct TangentBox {
   Eigen::Array2f low = Eigen::Array2f::Zero();
   Eigen::Array2f high = Eigen::Array2f::Zero();
   bool limited = false;
+
+  bool excludes(const Eigen::Vector3f& x) const {
+    return limited && (x.x() < low.x() * x.z() || x.x() > high.x() * x.z() || x.y() < low.y() * x.z() ||
+                       x.y() > high.y() * x.z() || x.z() < 0.0f);
+  }
 
   // Whether all points within radius_m of this one are outside.
   bool excludes(const Eigen::Vector3f& x, float radius_m) const {
@@ -138,8 +144,10 @@ class PointProjector {
     if (box_.excludes(first, leaf_diagonal_) || first.norm() > max_range_ + leaf_diagonal_) return;
     for (; i < end; ++i) {
       const Eigen::Vector3f x = in_camera(i);
-      const float range = x.norm();
-      if (range > max_range_ || x.z() < min_cos_ * range || range < 1e-3f || box_.excludes(x, 0.0f)) continue;
+      const float squared_range = x.squaredNorm();
+      if (!(squared_range <= max_range_ * max_range_ && squared_range > 1e-6f) || box_.excludes(x)) continue;
+      const float range = std::sqrt(squared_range);
+      if (x.z() < min_cos_ * range) continue;
       x_in_camera_.push_back(x);
       ranges_.push_back({range, spacing});
     }
@@ -186,6 +194,7 @@ std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vecto
                                            const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
   std::vector<ProjectedPoint> points;
   if (map.num_layers() == 0) return points;
+  points.reserve(map.num_points() / 4);
   PointProjector projector(map, leaf_spacing, camera, camera_from_map, max_distance_m, &points);
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   for (const uint32_t root :
@@ -214,10 +223,7 @@ RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const C
     if (!surfels.contains(at.x(), at.y())) continue;
     surfels.at(at.x(), at.y()) = std::min(surfels.at(at.x(), at.y()), surfel_of(point));
   }
-  // Each covers a square, the nearest wins; then the square's border is taken away again. One axis after the other.
-  Image<Surfel> columns(height, width);
-  dilate_rows(surfels, cell, &columns);
-  dilate_rows(columns, cell, &surfels);
+  surfels = dilate(surfels, cell);
 
   RangeImage dilated(width, height);
   raster.spacing_px = RangeImage(width, height, 0.0f);
@@ -226,6 +232,8 @@ RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const C
     dilated.pixels[i] = surfel == kNothing ? kNoSurface : range_of(surfel);
     if (surfel != kNothing) raster.spacing_px.pixels[i] = spacing_of(surfel);
   }
+  // The squares' borders are taken away again, one axis after the other.
+  Image<Surfel> columns(height, width);
   RangeImage eroded_columns(height, width);
   raster.range = RangeImage(width, height);
   for (int y = 0; y < height; ++y) {
