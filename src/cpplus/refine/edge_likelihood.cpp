@@ -18,10 +18,14 @@ constexpr int kBackgroundSteps = 8;
 constexpr float kBackgroundReachPx = 32.0f;
 constexpr float kMinBackground = 0.03f;
 
+float bump_rest(float distance, float inverse_kernel) {
+  const float x = distance * inverse_kernel;
+  return std::max(0.0f, 1.0f - x * x * (1.0f / 9.0f));
+}
+
 // Smooth bump: 1 at distance 0, 0 from three kernel widths on; the width of a Gaussian kernel without its exp().
 float bump(float distance, float inverse_kernel) {
-  const float x = distance * inverse_kernel;
-  const float rest = std::max(0.0f, 1.0f - x * x / 9.0f);
+  const float rest = bump_rest(distance, inverse_kernel);
   const float squared = rest * rest;
   return squared * squared;
 }
@@ -96,11 +100,13 @@ double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
       for (size_t i = 0; i < kBlock; ++i) y[i] += step * slope_y[i];
     }
     std::array<int32_t, kBlock> index;
-    std::array<float, kBlock> distance;
+    std::array<float, kBlock> rest;  // of the kernel, see bump()
     for (size_t i = 0; i < kBlock; ++i) index[i] = field_.index_of(x[i], y[i], bin_[begin + i]);
-    for (size_t i = 0; i < kBlock; ++i) distance[i] = field_.distance_at(index[i]);
+    for (size_t i = 0; i < kBlock; ++i) rest[i] = field_.distance_at(index[i]);
+    for (size_t i = 0; i < kBlock; ++i) rest[i] = bump_rest(rest[i], inverse_kernel_[begin + i]);
     for (size_t i = 0; i < kBlock; ++i) {
-      const float ratio = bump(distance[i], inverse_kernel_[begin + i]) * inverse_background_[begin + i];
+      const float squared = rest[i] * rest[i];
+      const float ratio = squared * squared * inverse_background_[begin + i];
       sums[i] += weight_[begin + i] * fast_log2(1.0f - kInlierShare + kInlierShare * ratio);
     }
   }
