@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "cpplus/core/fast_log.h"
 #include "cpplus/core/options.h"
 #include "cpplus/features/image_gradient.h"
 
@@ -127,16 +127,7 @@ class EdgeChains {
   std::vector<int> sizes_;  // of roots
 };
 
-/// log2 of positive numbers to 2e-5, which is less than the gradient's own rounding; without branches, so that loops
-/// over it become vector instructions. log2(1 + u) = u + u (1 - u) q(u) for u in [0, 1), q fitted.
-inline float fast_log2(float value) {
-  const auto bits = std::bit_cast<int32_t>(value);
-  const float u = std::bit_cast<float>((bits & 0x007fffff) | 0x3f800000) - 1.0f;
-  const float q = 0.44191667f + u * (-0.2671764f + u * (0.14841999f - u * 0.04514474f));
-  return static_cast<float>((bits >> 23) - 127) + u + u * (1.0f - u) * q;
-}
-
-/// log2 of the squared gradient at (x, y) and its eight neighbours, row by row.
+/// log2 of the squared gradient, to less than its own rounding, at (x, y) and its eight neighbours, row by row.
 std::array<float, 12> log_gradient_3x3(const ImageGradient& gradient, int x, int y) {
   std::array<float, 12> dx{};  // nine, filled up to whole vectors
   std::array<float, 12> dy{};

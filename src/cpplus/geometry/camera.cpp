@@ -123,6 +123,18 @@ bool Camera::project(const Eigen::Vector3d& x_in_camera, Eigen::Vector2d* pixel,
   });
 }
 
+void Camera::project(std::span<const Eigen::Vector3f> x_in_camera, std::vector<Eigen::Vector2f>* pixels) const {
+  pixels->resize(x_in_camera.size());
+  with_model(model_, [&](auto m) {
+    for (size_t i = 0; i < x_in_camera.size(); ++i) {
+      Eigen::Vector2d pixel;
+      const bool valid =
+          decltype(m)::project(params_.data(), max_radius_, x_in_camera[i].cast<double>(), &pixel, nullptr);
+      (*pixels)[i] = valid ? Eigen::Vector2f(pixel.cast<float>()) : Eigen::Vector2f(NAN, NAN);
+    }
+  });
+}
+
 std::optional<Eigen::Vector3d> Camera::unproject(const Eigen::Vector2d& pixel) const {
   if (params_.empty()) return std::nullopt;
   return with_model(model_, [&](auto m) { return decltype(m)::unproject(params_.data(), max_radius_, pixel); });

@@ -363,5 +363,24 @@ TEST(CameraErrors, DefaultCameraSeesNothing) {
   EXPECT_FALSE(Camera().unproject(Eigen::Vector2d(0, 0)).has_value());
 }
 
+TEST(Camera, ManyPointsProjectAsOneByOne) {
+  for (const auto& [name, camera] : all_cameras()) {
+    Random random(11);
+    std::vector<Eigen::Vector3f> points;
+    for (int i = 0; i < 500; ++i) {
+      points.emplace_back(Eigen::Vector3d(random.normal(), random.normal(), random.normal()).cast<float>());
+    }
+    std::vector<Eigen::Vector2f> pixels;
+    camera.project(points, &pixels);
+    ASSERT_EQ(pixels.size(), points.size());
+    for (size_t i = 0; i < points.size(); ++i) {
+      const auto pixel = camera.project(points[i].cast<double>());
+      ASSERT_EQ(pixel.has_value(), !pixels[i].hasNaN()) << name;
+      if (!pixel) continue;
+      ASSERT_EQ(pixels[i], pixel->cast<float>()) << name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cpplus

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
-#include "cpplus/refine/projected_sample.h"
+#include "cpplus/core/fast_log.h"
 
 namespace cpplus {
 namespace {
@@ -16,11 +18,16 @@ constexpr int kBackgroundSteps = 8;
 constexpr float kBackgroundReachPx = 32.0f;
 constexpr float kMinBackground = 0.03f;
 
+float bump_rest(float distance, float inverse_kernel) {
+  const float x = distance * inverse_kernel;
+  return std::max(0.0f, 1.0f - x * x * (1.0f / 9.0f));
+}
+
 // Smooth bump: 1 at distance 0, 0 from three kernel widths on; the width of a Gaussian kernel without its exp().
 float bump(float distance, float inverse_kernel) {
-  const float x = distance * inverse_kernel;
-  const float rest = 1.0f - x * x / 9.0f;
-  return rest > 0.0f ? rest * rest * rest * rest : 0.0f;
+  const float rest = bump_rest(distance, inverse_kernel);
+  const float squared = rest * rest;
+  return squared * squared;
 }
 
 }  // namespace
@@ -34,47 +41,83 @@ EdgeLikelihood::EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_m
   for (size_t i = 0; i < samples.size(); i += step) {
     const auto projected = project_sample(camera, camera_from_map, samples[i]);
     if (!projected) continue;
-    LinearSample s;
-    s.pixel = projected->pixel.cast<float>();
-    s.jacobian = projected->d_pixel_d_delta.cast<float>();
-    s.normal = projected->normal.cast<float>();
-    const Eigen::RowVector3d d_distance_d_point = projected->normal.transpose() * projected->d_pixel_d_point;
-    s.map_variance = static_cast<float>(
-        (d_distance_d_point * edges[samples[i].edge].covariance * d_distance_d_point.transpose()).value());
-    s.bin = DirectionalDistanceField::bin_of(projected->normal);
-    s.weight =
-        static_cast<float>(step) * std::min(1.0f, kIndependentSamples / static_cast<float>(samples[i].edge_samples));
-    s.kind = edges[samples[i].edge].kind;
-    samples_.push_back(s);
+    const float independent = std::min(1.0f, kIndependentSamples / static_cast<float>(samples[i].edge_samples));
+    add(*projected, edges[samples[i].edge], static_cast<float>(step) * independent);
   }
+  size_ = x_.size();
+  fill_up();
+}
+
+void EdgeLikelihood::add(const ProjectedSample& projected, const MapEdge& edge, float weight) {
+  x_.push_back(static_cast<float>(projected.pixel.x()));
+  y_.push_back(static_cast<float>(projected.pixel.y()));
+  for (Eigen::Index k = 0; k < 12; ++k) {
+    jacobian_[static_cast<size_t>(k)].push_back(static_cast<float>(projected.d_pixel_d_delta(k / 6, k % 6)));
+  }
+  normal_x_.push_back(static_cast<float>(projected.normal.x()));
+  normal_y_.push_back(static_cast<float>(projected.normal.y()));
+  weight_.push_back(weight);
+  const Eigen::RowVector3d across = projected.normal.transpose() * projected.d_pixel_d_point;
+  map_variance_.push_back(static_cast<float>((across * edge.covariance * across.transpose()).value()));
+  bin_.push_back(DirectionalDistanceField::bin_of(projected.normal));
+  kind_.push_back(edge.kind);
+}
+
+void EdgeLikelihood::fill_up() {
+  const size_t filled = (size_ + kBlock - 1) / kBlock * kBlock;
+  for (std::vector<float>* values : {&x_, &y_, &weight_}) values->resize(filled, 0.0f);
+  for (std::vector<float>& values : jacobian_) values.resize(filled, 0.0f);
+  bin_.resize(filled, 0);
+  inverse_kernel_.resize(filled, 0.0f);
+  inverse_background_.resize(filled, 0.0f);
 }
 
 void EdgeLikelihood::set_kernel(double kernel_px) {
-  for (LinearSample& s : samples_) {
-    s.inverse_kernel = 1.0f / std::sqrt(static_cast<float>(kernel_px * kernel_px) + s.map_variance);
+  for (size_t i = 0; i < size_; ++i) {
+    inverse_kernel_[i] = 1.0f / std::sqrt(static_cast<float>(kernel_px * kernel_px) + map_variance_[i]);
     float sum = 0.0f;
     for (int k = -kBackgroundSteps; k <= kBackgroundSteps; ++k) {
       const float offset = static_cast<float>(k) * kBackgroundReachPx / kBackgroundSteps;
-      sum += bump(field_.distance(s.pixel + offset * s.normal, s.bin), s.inverse_kernel);
+      const int32_t index = field_.index_of(x_[i] + offset * normal_x_[i], y_[i] + offset * normal_y_[i], bin_[i]);
+      sum += bump(field_.distance_at(index), inverse_kernel_[i]);
     }
-    s.background = std::max(kMinBackground, sum / (2 * kBackgroundSteps + 1));
+    inverse_background_[i] = 1.0f / std::max(kMinBackground, sum / (2 * kBackgroundSteps + 1));
   }
 }
 
 double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
   const Eigen::Matrix<float, 6, 1> d = delta.cast<float>();
-  float sum = 0.0f;
-  for (const LinearSample& s : samples_) {
-    const float value = bump(field_.distance(s.pixel + s.jacobian * d, s.bin), s.inverse_kernel);
-    sum += s.weight * std::log(1.0f - kInlierShare + kInlierShare * value / s.background);
+  std::array<float, kBlock> sums{};
+  for (size_t begin = 0; begin < size_; begin += kBlock) {
+    std::array<float, kBlock> x, y;
+    std::copy_n(&x_[begin], kBlock, x.begin());
+    std::copy_n(&y_[begin], kBlock, y.begin());
+    for (size_t k = 0; k < 6; ++k) {
+      const float step = d(static_cast<Eigen::Index>(k));
+      const float* slope_x = &jacobian_[k][begin];
+      const float* slope_y = &jacobian_[k + 6][begin];
+      for (size_t i = 0; i < kBlock; ++i) x[i] += step * slope_x[i];
+      for (size_t i = 0; i < kBlock; ++i) y[i] += step * slope_y[i];
+    }
+    std::array<int32_t, kBlock> index;
+    std::array<float, kBlock> rest;  // of the kernel, see bump()
+    for (size_t i = 0; i < kBlock; ++i) index[i] = field_.index_of(x[i], y[i], bin_[begin + i]);
+    for (size_t i = 0; i < kBlock; ++i) rest[i] = field_.distance_at(index[i]);
+    for (size_t i = 0; i < kBlock; ++i) rest[i] = bump_rest(rest[i], inverse_kernel_[begin + i]);
+    for (size_t i = 0; i < kBlock; ++i) {
+      const float squared = rest[i] * rest[i];
+      const float ratio = squared * squared * inverse_background_[begin + i];
+      sums[i] += weight_[begin + i] * fast_log2(1.0f - kInlierShare + kInlierShare * ratio);
+    }
   }
-  return sum;
+  return std::numbers::ln2 * static_cast<double>(std::accumulate(sums.begin(), sums.end(), 0.0f));
 }
 
 double EdgeLikelihood::log_ratio_fitted() const {
   std::vector<SampleLikelihood> samples;
-  for (const LinearSample& s : samples_) {
-    samples.push_back({s.kind, s.weight, bump(field_.distance(s.pixel, s.bin), s.inverse_kernel) / s.background});
+  for (size_t i = 0; i < size_; ++i) {
+    const float distance = field_.distance_at(field_.index_of(x_[i], y_[i], bin_[i]));
+    samples.push_back({kind_[i], weight_[i], bump(distance, inverse_kernel_[i]) * inverse_background_[i]});
   }
   return fitted_log_ratio(samples);
 }

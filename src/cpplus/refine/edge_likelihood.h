@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "cpplus/geometry/rigid3.h"
 #include "cpplus/refine/edge_samples.h"
 #include "cpplus/refine/edgel_index.h"
+#include "cpplus/refine/projected_sample.h"
 
 namespace cpplus {
 
@@ -48,23 +51,27 @@ class EdgeLikelihood {
   /// nothing.
   double log_ratio_fitted() const;
 
-  bool empty() const { return samples_.empty(); }
+  bool empty() const { return size_ == 0; }
 
  private:
-  struct LinearSample {
-    Eigen::Vector2f pixel;
-    Eigen::Matrix<float, 2, 6> jacobian;
-    Eigen::Vector2f normal;
-    float weight = 0.0f;
-    float map_variance = 0.0f;  // of the map edge's position across itself, square pixels
-    float inverse_kernel = 0.0f;
-    float background = 1.0f;  // kernel value of a sample put here at random
-    int bin = 0;
-    MapEdgeKind kind = MapEdgeKind::kCrease;
-  };
+  // Samples are looked at in blocks of so many; the last block is filled up with samples of no weight.
+  static constexpr size_t kBlock = 32;
+
+  void add(const ProjectedSample& projected, const MapEdge& edge, float weight);
+  void fill_up();
 
   const DirectionalDistanceField& field_;
-  std::vector<LinearSample> samples_;
+  size_t size_ = 0;
+  // One element a sample.
+  std::vector<float> x_, y_;                     // pixel
+  std::array<std::vector<float>, 12> jacobian_;  // d x, then d y, by the perturbation
+  std::vector<float> normal_x_, normal_y_;
+  std::vector<float> weight_;
+  std::vector<float> map_variance_;  // of the map edge's position across itself, square pixels
+  std::vector<float> inverse_kernel_;
+  std::vector<float> inverse_background_;  // of the kernel's value of a sample put here at random
+  std::vector<int32_t> bin_;
+  std::vector<MapEdgeKind> kind_;
 };
 
 }  // namespace cpplus

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -27,11 +28,14 @@ class EdgelIndex {
   const ImageEdgel& edgel(uint32_t index) const { return edges_.edgels[index]; }
 
  private:
-  // Index of the edgel at the pixel nearest to p, if its normal agrees; -1 otherwise.
-  int32_t agreeing_edgel(const Eigen::Vector2d& p, const Eigen::Vector2d& normal, double min_cos) const;
+  // Calls visit(index) for the edgels whose normal agrees at the three pixels abreast around a place.
+  template <typename Visit>
+  void for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, double min_cos,
+                        const Visit& visit) const;
 
   const ImageEdges& edges_;
-  std::vector<int32_t> edgel_at_;  // per pixel; -1 = none
+  std::vector<int32_t> edgel_at_;   // per pixel; -1 = none
+  std::vector<uint64_t> occupied_;  // one bit a pixel: most have none, and the bits stay in the cache
 };
 
 /// Truncated distances to the nearest edgel of about the same direction, one field for each of kBins directions, on a
@@ -44,12 +48,16 @@ class DirectionalDistanceField {
 
   /// Distance in pixels, at most max_distance_px; that much outside the image.
   float distance(const Eigen::Vector2f& pixel, int bin) const {
-    const int x = static_cast<int>((pixel.x() + 0.5f) * inverse_cell_);
-    const int y = static_cast<int>((pixel.y() + 0.5f) * inverse_cell_);
-    if (pixel.x() < -0.5f || pixel.y() < -0.5f || x >= width_ || y >= height_) return max_distance_;
-    return fields_[static_cast<size_t>(bin)]
-                  [static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
+    return distance_at(index_of(pixel.x(), pixel.y(), bin));
   }
+
+  /// distance() in two steps, for loops over many pixels: the arithmetic of the first becomes vector instructions.
+  int32_t index_of(float x, float y, int32_t bin) const {
+    const float column = std::min(std::max(0.0f, (x + 0.5f) * inverse_cell_ + 1.0f), last_column_);
+    const float row = std::min(std::max(0.0f, (y + 0.5f) * inverse_cell_ + 1.0f), last_row_);
+    return (static_cast<int32_t>(row) * stride_ + static_cast<int32_t>(column)) * kBins + bin;
+  }
+  float distance_at(int32_t index) const { return unit_px_ * static_cast<float>(field_[static_cast<size_t>(index)]); }
 
   /// The bin of an edge whose normal in the image is (x, y); opposite normals share a bin.
   static int bin_of(const Eigen::Vector2d& normal);
@@ -57,11 +65,20 @@ class DirectionalDistanceField {
   float max_distance() const { return max_distance_; }
 
  private:
-  int width_ = 0;
-  int height_ = 0;
+  using Distances = std::array<int16_t, kBins>;
+
+  int16_t* cell(int column, int row) { return &field_[static_cast<size_t>((row * stride_ + column) * kBins)]; }
+  // Two passes of the chamfer distance transform, all directions at once.
+  void spread(int16_t straight, int16_t diagonal);
+
+  int stride_ = 0;  // cells a row: those of the image within a frame of cells that are far from all
+  int rows_ = 0;
   float inverse_cell_ = 1.0f;
+  float last_column_ = 0.0f;
+  float last_row_ = 0.0f;
   float max_distance_ = 0.0f;
-  std::array<std::vector<float>, kBins> fields_;
+  float unit_px_ = 1.0f;
+  std::vector<int16_t> field_;  // by row, column, bin; in units of unit_px_
 };
 
 }  // namespace cpplus

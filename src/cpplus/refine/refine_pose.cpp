@@ -81,13 +81,15 @@ class PoseRefiner {
   EdgeResidual cross_validate(const Rigid3& pose) const {
     std::vector<double> distances;
     EdgeResidual residual;
+    std::vector<std::vector<EdgeMatch>> matches;
+    for (const std::vector<EdgeSample>& fold : folds_) matches.push_back(match(fold, pose, options_.first_radius_px));
     for (size_t held_out = 0; held_out < folds_.size(); ++held_out) {
-      std::vector<EdgeSample> others;
+      std::vector<EdgeMatch> others;
       for (size_t fold = 0; fold < folds_.size(); ++fold) {
-        if (fold != held_out) others.insert(others.end(), folds_[fold].begin(), folds_[fold].end());
+        if (fold != held_out) others.insert(others.end(), matches[fold].begin(), matches[fold].end());
       }
       int iterations = 0;
-      const Rigid3 judged = minimise(pose, match(others, pose, options_.first_radius_px), &iterations);
+      const Rigid3 judged = minimise(pose, others, &iterations);
       measure(folds_[held_out], judged, &distances, &residual);
     }
     return summarise(std::move(distances), residual);

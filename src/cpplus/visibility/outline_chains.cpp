@@ -18,8 +18,14 @@ class OutlineTracer {
       : raster_(raster), options_(options), sides_(raster.range.width, raster.range.height, 0) {
     for (int y = 0; y < sides_.height; ++y) {
       for (int x = 0; x < sides_.width; ++x) {
+        const float near = raster_.range.at(x, y);
+        if (near == 0.0f) continue;
+        const float jump = static_cast<float>(options_.jump_at(static_cast<double>(near)));
         for (int side = 0; side < 4; ++side) {
-          if (is_step({x, y}, side)) sides_.at(x, y) = static_cast<uint8_t>(sides_.at(x, y) | 1 << side);
+          // In most places the surface goes on in the next cell.
+          const float next = raster_.range_at(Eigen::Vector2i(x, y) + kOutward[static_cast<size_t>(side)]);
+          if (next > 0.0f && next < near + jump) continue;
+          if (is_step({x, y}, side, near, jump)) sides_.at(x, y) = static_cast<uint8_t>(sides_.at(x, y) | 1 << side);
         }
       }
     }
@@ -31,7 +37,7 @@ class OutlineTracer {
     for (const bool closed : {false, true}) {
       for (int y = 0; y < sides_.height; ++y) {
         for (int x = 0; x < sides_.width; ++x) {
-          for (int side = 0; side < 4; ++side) {
+          for (int side = 0; sides_.at(x, y) != 0 && side < 4; ++side) {
             if (has({x, y}, side) && (closed || !has_predecessor({x, y}, side))) chains.push_back(follow({x, y}, side));
           }
         }
@@ -45,11 +51,8 @@ class OutlineTracer {
     return sides_.contains(cell.x(), cell.y()) && (sides_.at(cell.x(), cell.y()) >> side & 1);
   }
 
-  bool is_step(const Eigen::Vector2i& cell, int side) const {
+  bool is_step(const Eigen::Vector2i& cell, int side, float near, float jump) const {
     const Eigen::Vector2i out = kOutward[static_cast<size_t>(side)];
-    const float near = raster_.range_at(cell);
-    if (near == 0.0f) return false;
-    const float jump = static_cast<float>(options_.jump_at(static_cast<double>(near)));
     const int step = first_surface(cell, out);
     if (step == 0) return false;
     const float far = raster_.range_at(cell + step * out);

@@ -1,7 +1,9 @@
 #include "cpplus/visibility/range_raster.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace cpplus {
@@ -18,74 +20,173 @@ int half_cells(float spacing_px, float cell_px) {
   return std::clamp(half, 1, kMaxHalfCells);
 }
 
-// The nearest point of each cell.
-RangeRaster draw_points(const std::vector<ProjectedPoint>& points, const Camera& camera, double cell_px) {
-  RangeRaster raster;
-  raster.cell_px = cell_px;
-  const int width = static_cast<int>(std::ceil(camera.width() / cell_px));
-  const int height = static_cast<int>(std::ceil(camera.height() / cell_px));
-  raster.range = RangeImage(width, height, kNoSurface);
-  raster.spacing_px = RangeImage(width, height, 0.0f);
-  for (const ProjectedPoint& point : points) {
-    const Eigen::Vector2i cell = raster.cell_of(point.pixel);
-    if (!raster.range.contains(cell.x(), cell.y()) || point.range >= raster.range.at(cell.x(), cell.y())) continue;
-    raster.range.at(cell.x(), cell.y()) = point.range;
-    raster.spacing_px.at(cell.x(), cell.y()) = point.spacing_px;
-  }
-  return raster;
-}
+// Range and spacing of a point in one number: the nearer point has the smaller one, since floats above zero are ordered
+// as their bits are.
+using Surfel = uint64_t;
+constexpr Surfel kNothing = std::numeric_limits<Surfel>::max();
 
-// Each cell's point covers a square; the nearest wins.
-RangeRaster dilate(const RangeRaster& points) {
-  RangeRaster out = points;
-  const int width = points.range.width;
-  const int height = points.range.height;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const float range = points.range.at(x, y);
-      if (range == kNoSurface) continue;
-      const float spacing = points.spacing_px.at(x, y);
-      const int half = half_cells(spacing, static_cast<float>(points.cell_px));
-      for (int v = std::max(0, y - half); v <= std::min(height - 1, y + half); ++v) {
-        for (int u = std::max(0, x - half); u <= std::min(width - 1, x + half); ++u) {
-          if (range >= out.range.at(u, v)) continue;
-          out.range.at(u, v) = range;
-          out.spacing_px.at(u, v) = spacing;
-        }
+Surfel surfel_of(const ProjectedPoint& point) {
+  return Surfel{std::bit_cast<uint32_t>(point.range)} << 32 | std::bit_cast<uint32_t>(point.spacing_px);
+}
+float range_of(Surfel surfel) { return std::bit_cast<float>(static_cast<uint32_t>(surfel >> 32)); }
+float spacing_of(Surfel surfel) { return std::bit_cast<float>(static_cast<uint32_t>(surfel)); }
+
+// Spreads each surfel over its square, the nearest winning.
+Image<Surfel> dilate(const Image<Surfel>& in, float cell_px) {
+  Image<Surfel> out = in;
+  for (int y = 0; y < in.height; ++y) {
+    for (int x = 0; x < in.width; ++x) {
+      const Surfel surfel = in.at(x, y);
+      if (surfel == kNothing) continue;
+      const int half = half_cells(spacing_of(surfel), cell_px);
+      const int first = std::max(0, x - half);
+      const int last = std::min(in.width - 1, x + half);
+      for (int v = std::max(0, y - half); v <= std::min(in.height - 1, y + half); ++v) {
+        Surfel* row = &out.at(0, v);
+        for (int u = first; u <= last; ++u) row[u] = std::min(row[u], surfel);
       }
     }
   }
   return out;
 }
 
-// The largest range within the square of the point that won a cell, one axis after the other.
-void erode(RangeRaster* raster) {
-  const int width = raster->range.width;
-  const int height = raster->range.height;
-  const auto half_at = [&](int x, int y) {
-    return half_cells(raster->spacing_px.at(x, y), static_cast<float>(raster->cell_px));
-  };
-  RangeImage columns(height, width, kNoSurface);  // transposed
-  for (int y = 0; y < height; ++y) {
-    const float* row = &raster->range.at(0, y);
-    for (int x = 0; x < width; ++x) {
-      if (row[x] == kNoSurface) continue;
-      const int half = half_at(x, y);
-      columns.at(y, x) = *std::max_element(row + std::max(0, x - half), row + std::min(width - 1, x + half) + 1);
-    }
-  }
-  for (int x = 0; x < width; ++x) {
-    const float* column = &columns.at(0, x);
-    for (int y = 0; y < height; ++y) {
+// The largest range within the square's width of the surfel that won a cell, as a column.
+void erode_rows(const Image<Surfel>& surfels, const RangeImage& in, float cell_px, RangeImage* transposed) {
+  for (int y = 0; y < in.height; ++y) {
+    const float* from = &in.at(0, y);
+    for (int x = 0; x < in.width; ++x) {
+      const Surfel surfel = surfels.at(x, y);
       float farthest = kNoSurface;
-      if (column[y] != kNoSurface) {
-        const int half = half_at(x, y);
-        farthest = *std::max_element(column + std::max(0, y - half), column + std::min(height - 1, y + half) + 1);
+      if (surfel != kNothing) {
+        const int half = half_cells(spacing_of(surfel), cell_px);
+        const int last = std::min(in.width - 1, x + half);
+        farthest = 0.0f;
+        for (int u = std::max(0, x - half); u <= last; ++u) farthest = std::max(farthest, from[u]);
       }
-      raster->range.at(x, y) = farthest == kNoSurface ? 0.0f : farthest;
+      transposed->at(y, x) = farthest;
     }
   }
 }
+
+// Bounds of X / Z and Y / Z of what the image may see; none for cameras that see far off their axis.
+struct TangentBox {
+  Eigen::Array2f low = Eigen::Array2f::Zero();
+  Eigen::Array2f high = Eigen::Array2f::Zero();
+  bool limited = false;
+
+  bool excludes(const Eigen::Vector3f& x) const {
+    return limited && (x.x() < low.x() * x.z() || x.x() > high.x() * x.z() || x.y() < low.y() * x.z() ||
+                       x.y() > high.y() * x.z() || x.z() < 0.0f);
+  }
+
+  // Whether all points within radius_m of this one are outside.
+  bool excludes(const Eigen::Vector3f& x, float radius_m) const {
+    if (!limited) return false;
+    const Eigen::Array2f below = low * x.z() - x.head<2>().array() - radius_m * (1.0f + low.abs());
+    const Eigen::Array2f above = x.head<2>().array() - high * x.z() - radius_m * (1.0f + high.abs());
+    return x.z() < -radius_m || (below > 0.0f).any() || (above > 0.0f).any();
+  }
+};
+
+TangentBox tangents_of_border(const Camera& camera) {
+  constexpr int kSteps = 32;
+  constexpr float kMargin = 0.01f;  // for what bulges between the steps
+  constexpr double kMinCos = 0.2;
+  TangentBox box;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double x = static_cast<double>(camera.width()) * i / kSteps - 0.5;
+    const double y = static_cast<double>(camera.height()) * i / kSteps - 0.5;
+    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, -0.5), Eigen::Vector2d(x, camera.height() - 0.5),
+                                         Eigen::Vector2d(-0.5, y), Eigen::Vector2d(camera.width() - 0.5, y)}) {
+      const auto bearing = camera.unproject(pixel);
+      if (!bearing || bearing->z() < kMinCos) return {};
+      const Eigen::Array2f tangents = (bearing->head<2>() / bearing->z()).cast<float>().array();
+      box.low = box.limited ? box.low.min(tangents) : tangents;
+      box.high = box.limited ? box.high.max(tangents) : tangents;
+      box.limited = true;
+    }
+  }
+  const Eigen::Array2f margin = kMargin * (box.high - box.low);
+  box.low -= margin;
+  box.high += margin;
+  return box;
+}
+
+// The points of some leaves in the camera's frame, waiting for their projection.
+class PointProjector {
+ public:
+  PointProjector(const VoxelMap& map, const std::vector<float>& leaf_spacing, const Camera& camera,
+                 const Rigid3& camera_from_map, double max_distance_m, std::vector<ProjectedPoint>* points)
+      : map_(map),
+        leaf_spacing_(leaf_spacing),
+        camera_(camera),
+        rotation_(camera_from_map.rotation.toRotationMatrix().cast<float>()),
+        // float32 holds 40 m to micrometres: the large offsets cancel in double first.
+        center_from_origin_((camera_center(camera_from_map) - map.origin()).cast<float>()),
+        box_(tangents_of_border(camera)),
+        min_cos_(static_cast<float>(std::cos(camera.max_view_angle()))),
+        max_range_(static_cast<float>(max_distance_m)),
+        leaf_diagonal_(static_cast<float>(std::sqrt(3.0) * map.options().leaf_size_m)),
+        points_(*points) {}
+
+  void add_leaves(uint32_t leaf, uint32_t end) {
+    for (; leaf < end; ++leaf) {
+      if (!std::isfinite(leaf_spacing_[leaf])) continue;
+      add_points(map_.points_begin(map_.leaf_layer(), leaf), map_.points_end(map_.leaf_layer(), leaf),
+                 leaf_spacing_[leaf]);
+    }
+    project();
+  }
+
+ private:
+  void add_points(uint32_t i, uint32_t end, float spacing) {
+    const Eigen::Vector3f first = in_camera(i);
+    if (box_.excludes(first, leaf_diagonal_) || first.norm() > max_range_ + leaf_diagonal_) return;
+    for (; i < end; ++i) {
+      const Eigen::Vector3f x = in_camera(i);
+      const float squared_range = x.squaredNorm();
+      if (!(squared_range <= max_range_ * max_range_ && squared_range > 1e-6f) || box_.excludes(x)) continue;
+      const float range = std::sqrt(squared_range);
+      if (x.z() < min_cos_ * range) continue;
+      x_in_camera_.push_back(x);
+      ranges_.push_back({range, spacing});
+    }
+  }
+
+  Eigen::Vector3f in_camera(uint32_t i) const { return rotation_ * (map_.positions()[i] - center_from_origin_); }
+
+  void project() {
+    camera_.project(x_in_camera_, &pixels_);
+    const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
+    const Eigen::Array2f last(static_cast<float>(camera_.width()) - 0.5f, static_cast<float>(camera_.height()) - 0.5f);
+    for (size_t k = 0; k < pixels_.size(); ++k) {
+      const Eigen::Vector2f& pixel = pixels_[k];
+      if (!(pixel.x() >= -0.5f && pixel.y() >= -0.5f && pixel.x() < last.x() && pixel.y() < last.y())) continue;
+      points_.push_back({pixel, ranges_[k].range, ranges_[k].spacing / ranges_[k].range * pixels_per_radian});
+    }
+    x_in_camera_.clear();
+    ranges_.clear();
+  }
+
+  struct Range {
+    float range;
+    float spacing;
+  };
+
+  const VoxelMap& map_;
+  const std::vector<float>& leaf_spacing_;
+  const Camera& camera_;
+  Eigen::Matrix3f rotation_;
+  Eigen::Vector3f center_from_origin_;
+  TangentBox box_;
+  float min_cos_;
+  float max_range_;
+  float leaf_diagonal_;
+  std::vector<ProjectedPoint>& points_;
+  std::vector<Eigen::Vector3f> x_in_camera_;
+  std::vector<Range> ranges_;
+  std::vector<Eigen::Vector2f> pixels_;
+};
 
 }  // namespace
 
@@ -93,40 +194,56 @@ std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vecto
                                            const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
   std::vector<ProjectedPoint> points;
   if (map.num_layers() == 0) return points;
-  const Eigen::Matrix3f rotation = camera_from_map.rotation.toRotationMatrix().cast<float>();
-  // float32 holds 40 m to micrometres: the large offsets cancel in double first.
-  const Eigen::Vector3d center = camera_center(camera_from_map);
-  const Eigen::Vector3f center_from_origin = (center - map.origin()).cast<float>();
+  points.reserve(map.num_points() / 4);
+  PointProjector projector(map, leaf_spacing, camera, camera_from_map, max_distance_m, &points);
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  const float min_cos = static_cast<float>(std::cos(camera.max_view_angle()));
-  const float max_range = static_cast<float>(max_distance_m);
-  const float pixels_per_radian = static_cast<float>(camera.pixels_per_radian());
-  for (const uint32_t root : map.roots_in_frustum(center, axis, camera.max_view_angle(), max_distance_m)) {
+  for (const uint32_t root :
+       map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), max_distance_m)) {
     uint32_t leaf = root;
     uint32_t end = root + 1;
     for (int layer = 0; layer < map.leaf_layer(); ++layer) {
       leaf = map.children_begin(layer, leaf);
       end = map.children_begin(layer, end);
     }
-    for (; leaf < end; ++leaf) {
-      const float spacing = leaf_spacing[leaf];
-      if (!std::isfinite(spacing)) continue;
-      for (uint32_t i = map.points_begin(map.leaf_layer(), leaf); i < map.points_end(map.leaf_layer(), leaf); ++i) {
-        const Eigen::Vector3f x = rotation * (map.positions()[i] - center_from_origin);
-        const float range = x.norm();
-        if (range > max_range || x.z() < min_cos * range || range < 1e-3f) continue;
-        const auto pixel = camera.project(x.cast<double>());
-        if (!pixel || !camera.in_image(*pixel, -0.5)) continue;
-        points.push_back({pixel->cast<float>(), range, spacing / range * pixels_per_radian});
-      }
-    }
+    projector.add_leaves(leaf, end);
   }
   return points;
 }
 
 RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const Camera& camera, double cell_px) {
-  RangeRaster raster = dilate(draw_points(points, camera, cell_px));
-  erode(&raster);
+  RangeRaster raster;
+  raster.cell_px = cell_px;
+  const int width = static_cast<int>(std::ceil(camera.width() / cell_px));
+  const int height = static_cast<int>(std::ceil(camera.height() / cell_px));
+  const float cell = static_cast<float>(cell_px);
+
+  Image<Surfel> surfels(width, height, kNothing);  // the nearest point of each cell
+  for (const ProjectedPoint& point : points) {
+    const Eigen::Vector2i at = raster.cell_of(point.pixel);
+    if (!surfels.contains(at.x(), at.y())) continue;
+    surfels.at(at.x(), at.y()) = std::min(surfels.at(at.x(), at.y()), surfel_of(point));
+  }
+  surfels = dilate(surfels, cell);
+
+  RangeImage dilated(width, height);
+  raster.spacing_px = RangeImage(width, height, 0.0f);
+  for (size_t i = 0; i < surfels.pixels.size(); ++i) {
+    const Surfel surfel = surfels.pixels[i];
+    dilated.pixels[i] = surfel == kNothing ? kNoSurface : range_of(surfel);
+    if (surfel != kNothing) raster.spacing_px.pixels[i] = spacing_of(surfel);
+  }
+  // The squares' borders are taken away again, one axis after the other.
+  Image<Surfel> columns(height, width);
+  RangeImage eroded_columns(height, width);
+  raster.range = RangeImage(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) columns.at(y, x) = surfels.at(x, y);
+  }
+  erode_rows(surfels, dilated, cell, &eroded_columns);
+  erode_rows(columns, eroded_columns, cell, &raster.range);
+  for (float& range : raster.range.pixels) {
+    if (range == kNoSurface) range = 0.0f;
+  }
   return raster;
 }
 

@@ -33,8 +33,10 @@ struct RangeRaster {
   float range_at(const Eigen::Vector2i& cell) const {
     return range.contains(cell.x(), cell.y()) ? range.at(cell.x(), cell.y()) : 0.0f;
   }
+  /// Of a pixel of the image; left of and above it the first cell.
   Eigen::Vector2i cell_of(const Eigen::Vector2f& pixel) const {
-    return ((pixel.array() + 0.5f) / static_cast<float>(cell_px)).floor().cast<int>();
+    const float inverse_cell = 1.0f / static_cast<float>(cell_px);
+    return {static_cast<int>((pixel.x() + 0.5f) * inverse_cell), static_cast<int>((pixel.y() + 0.5f) * inverse_cell)};
   }
   /// Image pixel of the top-left corner of a cell.
   Eigen::Vector2d corner_of(const Eigen::Vector2i& cell) const {
