@@ -104,17 +104,16 @@ class JointJudge {
   // Why the pose is not to be believed; empty if it is.
   const char* objection(const RefinePoseResult& result) const {
     if (!(result.predicted_shift_px <= options_.max_predicted_shift_px)) return "the pose is too uncertain";
+    static constexpr const char* kByChance = "the map's edges do not lie on image edges more than by chance";
     // Where the others place the image its own edges need only agree; else they must be more than the best of many
     // poses finds by chance.
-    const bool placed_by_others =
-        predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * options_.max_predicted_shift_px;
-    if (result.held_out_after.log_ratio < (placed_by_others ? kMinLogRatioOfPlaced : options_.min_log_ratio)) {
-      return "the map's edges do not lie on image edges more than by chance";
+    if (predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * options_.max_predicted_shift_px) {
+      return result.held_out_after.log_ratio < kMinLogRatioOfPlaced ? kByChance : "";
     }
-    if (placed_by_others) return "";
     if (result.num_matches < options_.min_samples || result.num_edges < options_.min_edges) {
       return "too few matched edges";
     }
+    if (result.held_out_after.log_ratio < options_.min_log_ratio) return kByChance;
     if (result.held_out_after.log_ratio - before_.log_ratio < options_.min_log_gain) {
       return "held-out edges do not fit better than before";
     }

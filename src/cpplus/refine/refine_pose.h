@@ -40,7 +40,7 @@ struct RefinePoseOptions {
   double min_log_gain = 10.0;
   /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
   /// covariance, to be off by no more than this, pixels. True errors are about two times that. (0, inf)
-  double max_predicted_shift_px = 1.5;
+  double max_predicted_shift_px = 2.0;
 
   void validate() const;
   template <typename Visitor>
