@@ -14,6 +14,9 @@ namespace cpplus {
 namespace {
 
 constexpr int kMaxSteps = 12;
+// Scale of the patches' loss in the first round, in that of the last: poses that start tens of pixels off are drawn in by
+// all their patches before outliers lose their weight (graduated non-convexity).
+constexpr double kFirstPatchLoss = 16.0;
 constexpr double kStudentDegrees = 4.0;
 // Least size of the drift, in prior sigmas.
 constexpr double kMinDrift = 0.03;
@@ -78,6 +81,7 @@ class JointSolver {
   JointResult run() {
     for (int round = 0; round < options_.rounds; ++round) {
       match_edges(radius_of(round));
+      patch_loss_scale_ = edge_options_.loss_scale * std::pow(kFirstPatchLoss, 1.0 - progress_of(round));
       minimise();
       if (round + 1 < options_.rounds) learn_spread();
     }
@@ -108,10 +112,13 @@ class JointSolver {
     }
   }
 
+  double progress_of(int round) const {
+    return options_.rounds > 1 ? static_cast<double>(round) / (options_.rounds - 1) : 1.0;
+  }
+
   double radius_of(int round) const {
-    const double progress = options_.rounds > 1 ? static_cast<double>(round) / (options_.rounds - 1) : 1.0;
     return edge_options_.first_radius_px *
-           std::pow(edge_options_.last_radius_px / edge_options_.first_radius_px, progress);
+           std::pow(edge_options_.last_radius_px / edge_options_.first_radius_px, progress_of(round));
   }
 
   void match_edges(double radius_px) {
@@ -172,13 +179,13 @@ class JointSolver {
                                             *problem_.images[pair->b].camera, poses[pair->b]);
       if (!r) continue;
       const double squared = r->residual.squaredNorm() / (sigma * sigma);
-      const double weight = pair->weights[k] * cauchy_weight(squared, edge_options_.loss_scale) / (sigma * sigma);
+      const double weight = pair->weights[k] * cauchy_weight(squared, patch_loss_scale_) / (sigma * sigma);
       pair->h_aa.noalias() += weight * r->by_a.transpose() * r->by_a;
       pair->h_ab.noalias() += weight * r->by_a.transpose() * r->by_b;
       pair->h_bb.noalias() += weight * r->by_b.transpose() * r->by_b;
       pair->g_a.noalias() += weight * r->by_a.transpose() * r->residual;
       pair->g_b.noalias() += weight * r->by_b.transpose() * r->residual;
-      pair->cost += pair->weights[k] * cauchy_cost(squared, edge_options_.loss_scale);
+      pair->cost += pair->weights[k] * cauchy_cost(squared, patch_loss_scale_);
     }
   }
 
@@ -434,6 +441,7 @@ class JointSolver {
   std::vector<std::vector<EdgeMatch>> matches_;
   std::vector<EdgeTerm> edge_terms_;
   std::vector<PairTerm> pairs_;
+  double patch_loss_scale_ = 1.0;
   Spread drift_, step_;
   std::vector<Eigen::Triplet<double>> triplets_;
   Eigen::VectorXd gradient_;
