@@ -11,7 +11,9 @@
 namespace cpplus {
 namespace {
 
-// Images that are looked at as partners of an image, and how many of them at most become partners.
+// Images whose pixels are in memory at a time: two such blocks, consecutive in time. Images that are looked at as
+// partners of an image, and how many of them at most become partners.
+constexpr size_t kBlockImages = 48;
 constexpr size_t kNearestImages = 12;
 constexpr size_t kMaxPartners = 4;
 // Least share of an image's patches that a partner should see.
@@ -55,22 +57,23 @@ class JointRefiner {
         options_(options),
         reports_(*reports),
         views_(input.model.images.size()) {
+    std::vector<std::pair<double, size_t>> by_time;
     for (const auto& [camera, sequence] : input.sequences) {
       for (const auto& [time, i] : sequence) {
-        if (takes_part(reports_[i])) participants_.push_back(i);
+        if (takes_part(reports_[i])) by_time.emplace_back(time, i);
       }
     }
-    std::sort(participants_.begin(), participants_.end());
+    std::sort(by_time.begin(), by_time.end());
+    for (const auto& [time, i] : by_time) participants_.push_back(i);
   }
 
   JointResult run() {
-    prepare_views();
+    const std::vector<std::vector<SurfaceMatch>> matches = look_at_images();
     JointProblem problem = make_problem(input_);
     for (const size_t i : participants_) {
       problem.images[i].camera_from_map = start_[i];
       problem.images[i].edges = &views_[i].edges;
     }
-    const std::vector<std::vector<SurfaceMatch>> matches = match_surfaces();
     for (const auto& some : matches) problem.matches.insert(problem.matches.end(), some.begin(), some.end());
     const RefinePoseOptions& refine = options_.refine;
     const JointEdgeOptions edges{refine.first_radius_px,
@@ -86,34 +89,43 @@ class JointRefiner {
  private:
   const Camera& camera_of(size_t i) const { return input_.model.cameras.at(input_.model.images[i].camera_id); }
 
-  void prepare_views() {
-    Progress progress("prepare joint solve", participants_.size());
-    parallel_for_each(participants_.size(), [&](size_t k) {
-      const size_t i = participants_[k];
-      Stopwatch watch;
-      views_[i] = prepare_joint_view(features_, camera_of(i), start_[i], input_.decode(i), options_);
-      reports_[i].milliseconds.emplace_back("joint_view", watch.lap());
-      progress.advance();
-    });
+  // Edges of all images, and the patches that each shares with others near to it in time: a list for each participant.
+  // Blocks of images, of which two at a time are kept whole, bound the memory.
+  std::vector<std::vector<SurfaceMatch>> look_at_images() {
+    std::vector<std::vector<SurfaceMatch>> matches(participants_.size());
+    Progress progress("look at images together", participants_.size());
+    for (size_t begin = 0; begin < participants_.size(); begin += kBlockImages) {
+      const size_t end = std::min(begin + kBlockImages, participants_.size());
+      const size_t first_kept = begin < kBlockImages ? 0 : begin - kBlockImages;
+      parallel_for_each(end - begin, [&](size_t k) { prepare_view(participants_[begin + k]); });
+      parallel_for_each(end - begin, [&](size_t k) {
+        matches[begin + k] = match_surfaces(participants_[begin + k], first_kept, end);
+        progress.advance();
+      });
+      for (size_t k = first_kept; k < begin; ++k) views_[participants_[k]].patches = {};
+    }
+    for (const size_t i : participants_) views_[i].patches = {};
+    return matches;
   }
 
-  // A list for each participant.
-  std::vector<std::vector<SurfaceMatch>> match_surfaces() {
-    std::vector<std::vector<SurfaceMatch>> matches(participants_.size());
-    Progress progress("match surfaces", participants_.size());
-    parallel_for_each(participants_.size(), [&](size_t k) {
-      const size_t i = participants_[k];
-      Stopwatch watch;
-      for (const size_t j : partners(i)) {
-        for (SurfaceMatch m : match_patches(views_[i].patches, views_[j].patches, options_.patches)) {
-          m.image_a = static_cast<uint32_t>(i);
-          m.image_b = static_cast<uint32_t>(j);
-          matches[k].push_back(m);
-        }
+  void prepare_view(size_t i) {
+    Stopwatch watch;
+    views_[i] = prepare_joint_view(features_, camera_of(i), start_[i], input_.decode(i), options_);
+    reports_[i].milliseconds.emplace_back("joint_view", watch.lap());
+  }
+
+  // Patches of image i in its partners among participants [begin, end).
+  std::vector<SurfaceMatch> match_surfaces(size_t i, size_t begin, size_t end) {
+    Stopwatch watch;
+    std::vector<SurfaceMatch> matches;
+    for (const size_t j : partners(i, begin, end)) {
+      for (SurfaceMatch m : match_patches(views_[i].patches, views_[j].patches, options_.patches)) {
+        m.image_a = static_cast<uint32_t>(i);
+        m.image_b = static_cast<uint32_t>(j);
+        matches.push_back(m);
       }
-      reports_[i].milliseconds.emplace_back("match_surfaces", watch.lap());
-      progress.advance();
-    });
+    }
+    reports_[i].milliseconds.emplace_back("match_surfaces", watch.lap());
     return matches;
   }
 
@@ -133,11 +145,12 @@ class JointRefiner {
     }
   }
 
-  // Of the nearest images those that see most of this one's patches.
-  std::vector<size_t> partners(size_t i) const {
+  // Of the nearest images among participants [begin, end) those that see most of this one's patches.
+  std::vector<size_t> partners(size_t i, size_t begin, size_t end) const {
     std::vector<std::pair<double, size_t>> near;
     const Eigen::Vector3d center = camera_center(start_[i]);
-    for (const size_t j : participants_) {
+    for (size_t k = begin; k < end; ++k) {
+      const size_t j = participants_[k];
       if (j != i) near.emplace_back((camera_center(start_[j]) - center).norm(), j);
     }
     const size_t count = std::min(kNearestImages, near.size());
