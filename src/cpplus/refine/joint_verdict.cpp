@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cpplus/refine/degeneracy.h"
 #include "cpplus/refine/pose_solver.h"
@@ -10,28 +11,16 @@
 namespace cpplus {
 namespace {
 
-constexpr int kMaxSolverIterations = 10;
 // Others place an image when they leave it uncertain by so many times what is accepted.
 constexpr double kPlacedByOthers = 2.0;
 // Log likelihood ratio that random edges hardly reach around one pose.
 constexpr double kMinLogRatioOfPlaced = 20.0;
 
 EdgeResidual summarise(std::vector<double> distances, double first_radius_px, double last_radius_px) {
-  EdgeResidual residual;
-  residual.num_samples = static_cast<int>(distances.size());
-  if (distances.empty()) return residual;
-  double squares = 0.0;
-  int inliers = 0;
-  for (const double distance : distances) {
-    squares += distance * distance;
-    residual.num_matches += distance < first_radius_px;
-    inliers += distance < last_radius_px;
-  }
-  residual.rms_px = std::sqrt(squares / static_cast<double>(distances.size()));
-  residual.inlier_share = static_cast<double>(inliers) / static_cast<double>(distances.size());
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  residual.median_px = *middle;
+  const auto num_matches =
+      std::count_if(distances.begin(), distances.end(), [&](double distance) { return distance < first_radius_px; });
+  EdgeResidual residual = summarise_distances(std::move(distances), last_radius_px);
+  residual.num_matches = static_cast<int>(num_matches);
   return residual;
 }
 
@@ -90,7 +79,7 @@ class JointJudge {
       }
       const std::vector<EdgeMatch> matches = edges_.match(camera_, pose, options_.first_radius_px, noise(), others);
       const Rigid3 judged =
-          solve_pose(camera_, pose, matches, candidate_.pose.from_others, options_.loss_scale, kMaxSolverIterations)
+          solve_pose(camera_, pose, matches, candidate_.pose.from_others, options_.loss_scale, kMaxPoseIterations)
               .camera_from_map;
       const std::vector<double> more = edges_.distances(camera_, judged, options_.first_radius_px, folds[held_out]);
       distances.insert(distances.end(), more.begin(), more.end());

@@ -46,6 +46,9 @@ struct PoseSolution {
   int iterations = 0;
 };
 
+/// Steps after which a pose that is matched anew anyway need not be solved more closely.
+inline constexpr int kMaxPoseIterations = 10;
+
 /// Minimises the squares of PoseResiduals from a pose by Levenberg-Marquardt's method.
 PoseSolution solve_pose(const Camera& camera, const Rigid3& start_camera_from_map,
                         const std::vector<EdgeMatch>& matches, const PoseGuess& guess, double loss_scale,

@@ -1,6 +1,5 @@
 #include "cpplus/refine/refine_pose.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,7 +18,6 @@ namespace cpplus {
 namespace {
 
 constexpr int kFieldCellPx = 4;
-constexpr int kMaxSolverIterations = 10;
 
 class PoseRefiner {
  public:
@@ -124,7 +122,7 @@ class PoseRefiner {
   }
 
   Rigid3 minimise(const Rigid3& pose, const std::vector<EdgeMatch>& matches, int* iterations) const {
-    const PoseSolution solution = solve_pose(camera_, pose, matches, guess_, options_.loss_scale, kMaxSolverIterations);
+    const PoseSolution solution = solve_pose(camera_, pose, matches, guess_, options_.loss_scale, kMaxPoseIterations);
     *iterations += solution.iterations;
     return solution.camera_from_map;
   }
@@ -152,20 +150,10 @@ class PoseRefiner {
     residual->log_ratio += likelihood.log_ratio_fitted();
   }
 
-  EdgeResidual summarise(std::vector<double> distances, EdgeResidual residual) const {
-    residual.num_samples = static_cast<int>(distances.size());
-    if (distances.empty()) return residual;
-    double squares = 0.0;
-    int inliers = 0;
-    for (const double distance : distances) {
-      squares += distance * distance;
-      inliers += distance < options_.last_radius_px;
-    }
-    residual.rms_px = std::sqrt(squares / static_cast<double>(distances.size()));
-    residual.inlier_share = static_cast<double>(inliers) / static_cast<double>(distances.size());
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    residual.median_px = *middle;
+  EdgeResidual summarise(std::vector<double> distances, const EdgeResidual& measured) const {
+    EdgeResidual residual = summarise_distances(std::move(distances), options_.last_radius_px);
+    residual.num_matches = measured.num_matches;
+    residual.log_ratio = measured.log_ratio;
     return residual;
   }
 

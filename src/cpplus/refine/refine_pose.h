@@ -8,6 +8,7 @@
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/image_edge.h"
 #include "cpplus/geometry/rigid3.h"
+#include "cpplus/refine/edge_residual.h"
 #include "cpplus/refine/edge_samples.h"
 #include "cpplus/refine/pose_search.h"
 
@@ -62,16 +63,6 @@ struct RefinePoseOptions {
     visitor("max_predicted_shift_px", max_predicted_shift_px,
             "Poses solved together are believed when expected to be off by no more than this, pixels.");
   }
-};
-
-/// How well edge samples lie on image edges; distances are truncated at the first search radius.
-struct EdgeResidual {
-  int num_samples = 0;
-  int num_matches = 0;  // samples with an image edge within the first search radius
-  double median_px = 0.0;
-  double rms_px = 0.0;
-  double inlier_share = 0.0;  // of all samples: within the last search radius
-  double log_ratio = 0.0;     // logarithm of the likelihood ratio to edges put at random (refine/edge_likelihood.h)
 };
 
 enum class RefineStatus { kRefined, kKeptCoarse };
