@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -14,6 +15,10 @@ constexpr int kNumLevels = 3;
 constexpr double kOcclusionMargin = 0.05;  // metres
 // A patch that is seen more than so many times larger, smaller or slanted from the other view is not comparable.
 constexpr double kMaxStretch = 2.5;
+constexpr double kMinReach = 3.0;  // pixels of a level
+// Once some patches are found the others are looked for where the nearest of these say.
+constexpr size_t kGuides = 4;
+constexpr double kGuidedRadiusPx = 8.0;
 
 Image<float> as_float(const GrayImage& image) {
   Image<float> result(image.width, image.height);
@@ -85,22 +90,24 @@ struct Transfer {
   Eigen::Matrix2d a_from_b;  // of offsets
 };
 
-std::optional<Transfer> transfer(const PlaneBuffer& a, const PlaneBuffer& b, const PatchView::Patch& patch) {
-  const MapPlane& plane = (*a.planes)[static_cast<size_t>(patch.plane)];
+std::optional<Transfer> transfer(const PatchView& a, const PatchView& b, const PatchView::Patch& patch) {
+  const MapPlane& plane = patch.surface.plane;
+  const Rigid3& b_from_map = b.planes.camera_from_map;
   const auto carry = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
-    const auto x = on_plane(a, plane, pixel);
-    return x ? b.camera.project(b.camera_from_map * *x) : std::nullopt;
+    const auto x = on_plane(a.planes, plane, pixel);
+    return x ? b.planes.camera.project(b_from_map * *x) : std::nullopt;
   };
   constexpr double kStep = 2.0;
   const auto center = carry(patch.pixel);
   const auto right = carry(patch.pixel + kStep * Eigen::Vector2d::UnitX());
   const auto below = carry(patch.pixel + kStep * Eigen::Vector2d::UnitY());
-  if (!center || !right || !below || !b.camera.in_image(*center)) return std::nullopt;
-  const auto x = on_plane(a, plane, patch.pixel);
-  if (!x || !b.is_visible(*x, *center, kOcclusionMargin)) return std::nullopt;
-  // Both cameras on the same side of the plane.
-  if (plane.signed_distance(camera_center(a.camera_from_map)) *
-          plane.signed_distance(camera_center(b.camera_from_map)) <=
+  if (!center || !right || !below || !b.planes.camera.in_image(*center)) return std::nullopt;
+  const Eigen::Vector3d x = *on_plane(a.planes, plane, patch.pixel);
+  if (!b.planes.is_visible(x, *center, kOcclusionMargin)) return std::nullopt;
+  if (!is_seen(b.raster, *center, (b_from_map * x).norm())) return std::nullopt;
+  // Both cameras on the same side of the surface.
+  if (plane.signed_distance(camera_center(a.planes.camera_from_map)) *
+          plane.signed_distance(camera_center(b_from_map)) <=
       0) {
     return std::nullopt;
   }
@@ -116,25 +123,26 @@ class Matcher {
   Matcher(const PatchView& a, const PatchView& b, const PatchMatchingOptions& options)
       : a_(a), b_(b), options_(options), edge_(2 * options.radius_px + 1) {}
 
-  std::optional<SurfaceMatch> match(const PatchView::Patch& patch) {
-    const auto carried = transfer(a_.planes, b_.planes, patch);
-    if (!carried) return std::nullopt;
-    Eigen::Vector2d pixel = carried->pixel_b;
-    for (int level = kNumLevels - 1; level >= 0; --level) {
-      if (!make_template(patch.pixel, carried->a_from_b, level)) return std::nullopt;
-      const bool first = level == kNumLevels - 1;
-      const int reach =
-          first ? std::max(1, static_cast<int>(std::ceil(std::ldexp(options_.search_radius_px, -level)))) : 2;
+  // Looks for a patch within radius_px of where `carried` puts it.
+  std::optional<SurfaceMatch> match(const PatchView::Patch& patch, const Transfer& carried, double radius_px) {
+    Eigen::Vector2d pixel = carried.pixel_b;
+    // What is one pixel wide or less on a level is not looked for there.
+    int first_level = kNumLevels - 1;
+    while (first_level > 0 && std::ldexp(radius_px, -first_level) < kMinReach) --first_level;
+    for (int level = first_level; level >= 0; --level) {
+      if (!make_template(patch.pixel, carried.a_from_b, level)) return std::nullopt;
+      const bool first = level == first_level;
+      const int reach = first ? static_cast<int>(std::ceil(std::ldexp(radius_px, -level))) : 2;
       if (!search(level, reach, first, &pixel)) return std::nullopt;
     }
-    if (!settle(patch.pixel, carried->a_from_b, &pixel)) return std::nullopt;
+    if (!settle(patch.pixel, carried.a_from_b, &pixel)) return std::nullopt;
     SurfaceMatch m;
     m.pixel_a = patch.pixel;
     m.pixel_b = pixel;
-    m.plane = patch.plane;
-    const MapPlane& plane = (*a_.planes.planes)[static_cast<size_t>(patch.plane)];
-    m.point_in_map = plane.centroid;
-    m.normal_in_map = plane.normal;
+    m.plane = patch.surface.plane_id;
+    m.point_in_map = patch.surface.plane.centroid;
+    m.normal_in_map = patch.surface.plane.normal;
+    m.range_sigma_m = patch.surface.range_sigma_m;
     m.correlation = correlation_;
     return m;
   }
@@ -274,18 +282,6 @@ class Matcher {
   double correlation_ = 0.0;
 };
 
-// The plane under a whole patch; kNone where there are several.
-int32_t plane_under(const PlaneBuffer& planes, const Eigen::Vector2d& pixel, double radius_px) {
-  const int32_t id = planes.plane_at(pixel);
-  if (id == PlaneBuffer::kNone) return id;
-  for (double y = -radius_px; y <= radius_px; y += planes.cell_px) {
-    for (double x = -radius_px; x <= radius_px; x += planes.cell_px) {
-      if (planes.plane_at(pixel + Eigen::Vector2d(x, y)) != id) return PlaneBuffer::kNone;
-    }
-  }
-  return id;
-}
-
 }  // namespace
 
 void PatchMatchingOptions::validate() const {
@@ -297,9 +293,11 @@ void PatchMatchingOptions::validate() const {
   check_option(min_distinction >= 0 && min_distinction < 1, "min_distinction", "[0, 1)", min_distinction);
 }
 
-PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, const PatchMatchingOptions& options) {
+PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, const RangeRaster& raster,
+                             const PatchMatchingOptions& options) {
   PatchView view;
   view.planes = planes;
+  view.raster = raster;
   view.pyramid.push_back(as_float(image));
   for (int level = 1; level < kNumLevels; ++level) view.pyramid.push_back(halve(view.pyramid.back()));
 
@@ -310,27 +308,61 @@ PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, 
   cv::goodFeaturesToTrack(gray, corners, 4 * options.max_patches, 0.005, 0.5 * options.min_distance_px, {}, 5);
   for (const cv::Point2f& corner : corners) {
     const Eigen::Vector2d pixel = from_level({corner.x, corner.y}, 1);
-    const int32_t plane = plane_under(planes, pixel, 2.0 * options.radius_px);
-    if (plane == PlaneBuffer::kNone) continue;
-    view.patches.push_back({pixel, plane});
+    const auto surface = surface_under(planes, raster, pixel, 2.0 * options.radius_px);
+    if (!surface) continue;
+    view.patches.push_back({pixel, *surface});
     if (static_cast<int>(view.patches.size()) >= options.max_patches) break;
   }
   return view;
 }
 
-double patch_overlap(const PatchView& a, const PlaneBuffer& b) {
+double patch_overlap(const PatchView& a, const PatchView& b) {
   if (a.patches.empty()) return 0.0;
-  const auto seen = std::count_if(a.patches.begin(), a.patches.end(), [&](const PatchView::Patch& patch) {
-    return transfer(a.planes, b, patch).has_value();
-  });
+  const auto seen = std::count_if(a.patches.begin(), a.patches.end(),
+                                  [&](const PatchView::Patch& patch) { return transfer(a, b, patch).has_value(); });
   return static_cast<double>(seen) / static_cast<double>(a.patches.size());
 }
+
+namespace {
+
+// By how much the nearest matches are off from where they were expected: medians.
+Eigen::Vector2d displacement_near(const Eigen::Vector2d& pixel_a, const std::vector<SurfaceMatch>& matches,
+                                  const std::vector<Eigen::Vector2d>& displacements) {
+  std::vector<std::pair<double, size_t>> near;
+  for (size_t i = 0; i < matches.size(); ++i) near.emplace_back((matches[i].pixel_a - pixel_a).norm(), i);
+  std::partial_sort(near.begin(), near.begin() + kGuides, near.end());
+  Eigen::Vector2d median;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::array<double, kGuides> values;
+    for (size_t k = 0; k < kGuides; ++k) values[k] = displacements[near[k].second](axis);
+    std::sort(values.begin(), values.end());
+    median(axis) = 0.5 * (values[(kGuides - 1) / 2] + values[kGuides / 2]);
+  }
+  return median;
+}
+
+}  // namespace
 
 std::vector<SurfaceMatch> match_patches(const PatchView& a, const PatchView& b, const PatchMatchingOptions& options) {
   Matcher matcher(a, b, options);
   std::vector<SurfaceMatch> matches;
+  std::vector<Eigen::Vector2d> displacements;
+  std::vector<std::pair<const PatchView::Patch*, Transfer>> lost;
   for (const PatchView::Patch& patch : a.patches) {
-    if (const auto m = matcher.match(patch)) matches.push_back(*m);
+    const auto carried = transfer(a, b, patch);
+    if (!carried) continue;
+    if (const auto m = matcher.match(patch, *carried, options.search_radius_px)) {
+      matches.push_back(*m);
+      displacements.emplace_back(m->pixel_b - carried->pixel_b);
+    } else {
+      lost.emplace_back(&patch, *carried);
+    }
+  }
+  if (matches.size() < kGuides || options.search_radius_px <= kGuidedRadiusPx) return matches;
+  const std::vector<SurfaceMatch> guides = matches;
+  for (auto& [patch, carried] : lost) {
+    carried.pixel_b += displacement_near(patch->pixel, guides, displacements);
+    if (const auto m = matcher.match(*patch, carried, kGuidedRadiusPx)) matches.push_back(*m);
   }
   return matches;
 }

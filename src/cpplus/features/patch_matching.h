@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "cpplus/cloud/plane_buffer.h"
+#include "cpplus/cloud/range_raster.h"
 #include "cpplus/cloud/surface_match.h"
 #include "cpplus/core/image.h"
 #include "cpplus/core/options.h"
+#include "cpplus/features/patch_surface.h"
 
 namespace cpplus {
 
@@ -39,27 +41,30 @@ struct PatchMatchingOptions {
 
 /// An image made ready for patch matching.
 struct PatchView {
-  /// A corner on one plane of the map, away from the plane's borders.
+  /// A corner on a flat piece of the map's surface.
   struct Patch {
     Eigen::Vector2d pixel;
-    int32_t plane = -1;
+    PatchSurface surface;
   };
 
   std::vector<Image<float>> pyramid;  // levels of half the size each, the full image first
   PlaneBuffer planes;                 // with camera and pose
+  RangeRaster raster;                 // from the same pose
   std::vector<Patch> patches;
 };
 
-/// Finds the corners of an image that lie on planes as seen from the pose of the plane buffer.
-PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, const PatchMatchingOptions& options);
+/// Finds the corners of an image that lie on flat pieces of the map's surface (patch_surface.h) as seen from the pose
+/// of the plane buffer, which is that of the raster.
+PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, const RangeRaster& raster,
+                             const PatchMatchingOptions& options);
 
-/// Finds the patches of view a in view b. The poses and the planes of the map say how a patch is seen from b, up to a
+/// Finds the patches of view a in view b. The poses and the surface of the map say how a patch is seen from b, up to a
 /// shift: its affinely warped copy is looked for by normalised cross-correlation from the coarsest level to the full
 /// image, then placed to a fraction of a pixel by Gauss-Newton on brightness, gain and offset removed (Lucas and Kanade
 /// 1981). Works on the recorded, distorted images of any camera model. image_a and image_b of the matches are 0.
 std::vector<SurfaceMatch> match_patches(const PatchView& a, const PatchView& b, const PatchMatchingOptions& options);
 
 /// Share of view a's patches that view b should see, by the poses alone.
-double patch_overlap(const PatchView& a, const PlaneBuffer& b);
+double patch_overlap(const PatchView& a, const PatchView& b);
 
 }  // namespace cpplus

@@ -138,9 +138,9 @@ struct Shot {
 Pair match_views(const Scene& scene, const Camera& camera, const Shot& shot = {}) {
   const PatchMatchingOptions options;
   Pair pair;
-  pair.a = prepare_patch_view(scene.photograph(camera, view_a()), scene.plane_buffer(camera, view_a()), options);
+  pair.a = prepare_patch_view(scene.photograph(camera, view_a()), scene.plane_buffer(camera, view_a()), {}, options);
   pair.b = prepare_patch_view(scene.photograph(camera, view_b(), shot.gain, shot.offset),
-                              scene.plane_buffer(camera, shot.supposed), options);
+                              scene.plane_buffer(camera, shot.supposed), {}, options);
   pair.matches = match_patches(pair.a, pair.b, options);
   return pair;
 }
@@ -183,11 +183,11 @@ TEST(PatchMatching, TheSameViewMatchesItself) {
   const Scene scene({Wall{}});
   const PatchMatchingOptions options;
   const PatchView view =
-      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), options);
+      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), {}, options);
   const std::vector<SurfaceMatch> matches = match_patches(view, view, options);
   EXPECT_GT(matches.size(), view.patches.size() / 2);
   for (const SurfaceMatch& m : matches) EXPECT_LT((m.pixel_a - m.pixel_b).norm(), 0.02);
-  EXPECT_EQ(patch_overlap(view, view.planes), 1.0);
+  EXPECT_EQ(patch_overlap(view, view), 1.0);
 }
 
 TEST(PatchMatching, FindsThemWhereThePosesAreTenPixelsOff) {
@@ -227,9 +227,9 @@ TEST(PatchMatching, NothingWhereTheTextureIsAnother) {
   painted.seed = 77;
   const Scene before({Wall{}}), after({painted});
   const PatchView a =
-      prepare_patch_view(before.photograph(pinhole(), view_a()), before.plane_buffer(pinhole(), view_a()), options);
+      prepare_patch_view(before.photograph(pinhole(), view_a()), before.plane_buffer(pinhole(), view_a()), {}, options);
   const PatchView b =
-      prepare_patch_view(after.photograph(pinhole(), view_b()), after.plane_buffer(pinhole(), view_b()), options);
+      prepare_patch_view(after.photograph(pinhole(), view_b()), after.plane_buffer(pinhole(), view_b()), {}, options);
   EXPECT_GT(a.patches.size(), 80u);
   EXPECT_LE(match_patches(a, b, options).size(), a.patches.size() / 50);
 }
@@ -265,13 +265,13 @@ TEST(PatchMatching, PatchesKeepAwayFromTheBordersOfPlanesAndFromEachOther) {
   PatchMatchingOptions options;
   options.max_patches = 60;
   const PatchView view =
-      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), options);
+      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), {}, options);
   EXPECT_LE(view.patches.size(), 60u);
   ASSERT_GT(view.patches.size(), 20u);
   for (size_t i = 0; i < view.patches.size(); ++i) {
     for (const double x : {-8.0, 8.0}) {
       const Eigen::Vector2d pixel = view.patches[i].pixel + Eigen::Vector2d(x, 0);
-      EXPECT_EQ(scene.cast(view_a(), *pinhole().unproject(pixel)).first, view.patches[i].plane);
+      EXPECT_EQ(scene.cast(view_a(), *pinhole().unproject(pixel)).first, view.patches[i].surface.plane_id);
     }
     for (size_t j = 0; j < i; ++j) {
       EXPECT_GE((view.patches[i].pixel - view.patches[j].pixel).norm(), options.min_distance_px - 1e-6);
@@ -283,15 +283,20 @@ TEST(PatchOverlap, CountsThePatchesThatTheOtherSees) {
   const Scene scene({Wall{}});
   const PatchMatchingOptions options;
   const PatchView view =
-      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), options);
-  const auto overlap = [&](const Rigid3& pose) { return patch_overlap(view, scene.plane_buffer(pinhole(), pose)); };
+      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), {}, options);
+  const auto other_view = [&](const Rigid3& pose) {
+    PatchView other;
+    other.planes = scene.plane_buffer(pinhole(), pose);
+    return other;
+  };
+  const auto overlap = [&](const Rigid3& pose) { return patch_overlap(view, other_view(pose)); };
   EXPECT_EQ(overlap(view_a()), 1.0);
   // Turned about the vertical by half the field of view of 67 degrees, about half of the patches are left.
   const double half = overlap(perturb_camera(view_a(), 0.5 * 1.176 * Vector6d::Unit(1)));
   EXPECT_GT(half, 0.25);
   EXPECT_LT(half, 0.75);
   EXPECT_EQ(overlap(perturb_camera(view_a(), std::numbers::pi * Vector6d::Unit(1))), 0.0);
-  EXPECT_EQ(patch_overlap(PatchView(), scene.plane_buffer(pinhole(), view_a())), 0.0);
+  EXPECT_EQ(patch_overlap(PatchView(), other_view(view_a())), 0.0);
 }
 
 TEST(PatchMatchingOptions, ValuesOutOfRangeAreErrors) {

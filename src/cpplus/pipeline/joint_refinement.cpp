@@ -157,7 +157,7 @@ class JointRefiner {
     std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
     std::vector<std::pair<double, size_t>> by_overlap;
     for (size_t k = 0; k < count; ++k) {
-      const double overlap = patch_overlap(views_[i].patches, views_[near[k].second].patches.planes);
+      const double overlap = patch_overlap(views_[i].patches, views_[near[k].second].patches);
       if (overlap >= kMinOverlap) by_overlap.emplace_back(-overlap, near[k].second);
     }
     std::sort(by_overlap.begin(), by_overlap.end());

@@ -11,6 +11,8 @@ namespace cpplus {
 namespace {
 
 // How far from their place as seen from a nearly right pose the image edges of a sample are kept.
+// Within how much of the nearest points a surface lies, in standard deviations of the map's noise.
+constexpr double kSurfaceDepthNoises = 6.0;
 constexpr double kCandidateRadiusPx = 40.0;
 // Points of the seen surface along the longer side of the image.
 constexpr int kSurfacePoints = 16;
@@ -85,12 +87,19 @@ MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOpti
 
 namespace {
 
-EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes, const RefineImagesOptions& options) {
+EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes,
+                          const std::vector<MapEdge>& silhouettes, const RefineImagesOptions& options) {
   EdgesInView view;
-  view.edges = concatenate_groups({features.edges, find_silhouettes(features.map, features.leaf_spacing, planes.camera,
-                                                                    planes.camera_from_map, options.silhouettes)});
+  view.edges = concatenate_groups({features.edges, silhouettes});
   view.samples = sample_visible_edges(view.edges, planes.camera, planes.camera_from_map, planes, options.samples);
   return view;
+}
+
+EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes, const RefineImagesOptions& options) {
+  return edges_in_view(
+      features, planes,
+      find_silhouettes(features.map, features.leaf_spacing, planes.camera, planes.camera_from_map, options.silhouettes),
+      options);
 }
 
 }  // namespace
@@ -150,12 +159,17 @@ ImageReport refine_image(const MapFeatures& features, const std::string& name, c
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                              const GrayImage& image, const RefineImagesOptions& options) {
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
-  const EdgesInView seen = edges_in_view(features, planes, options);
+  const std::vector<ProjectedPoint> points =
+      project_points(features.map, features.leaf_spacing, camera, camera_from_map, options.silhouettes.max_distance_m);
+  RangeRaster raster = draw_range_raster(points, camera, options.silhouettes.cell_px);
+  add_mean_ranges(points, kSurfaceDepthNoises * features.planes.noise_m, &raster);
+  const EdgesInView seen = edges_in_view(
+      features, planes, find_silhouettes(points, raster, camera, camera_from_map, options.silhouettes), options);
   JointView view;
   view.edges =
       EdgeEvidence(camera, camera_from_map, seen.edges, seen.samples, detect_image_edges(image, options.image_edges),
                    kCandidateRadiusPx, options.refine.max_angle_deg);
-  view.patches = prepare_patch_view(image, planes, options.patches);
+  view.patches = prepare_patch_view(image, planes, raster, options.patches);
   view.surface_in_map = seen_surface(planes);
   return view;
 }

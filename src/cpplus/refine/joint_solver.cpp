@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/refine/drift_model.h"
 #include "cpplus/refine/selected_inverse.h"
 #include "cpplus/refine/surface_match_residual.h"
 
@@ -14,12 +15,14 @@ namespace cpplus {
 namespace {
 
 constexpr int kMaxSteps = 12;
-// Scale of the patches' loss in the first round, in that of the last: poses that start tens of pixels off are drawn in by
-// all their patches before outliers lose their weight (graduated non-convexity).
+// Scale of the patches' loss in the first round, in that of the last: poses that start tens of pixels off are drawn in
+// by all their patches before outliers lose their weight (graduated non-convexity).
 constexpr double kFirstPatchLoss = 16.0;
 constexpr double kStudentDegrees = 4.0;
-// Least size of the drift, in prior sigmas.
+// Least and largest size of the drift, in prior sigmas.
 constexpr double kMinDrift = 0.03;
+constexpr double kMaxDrift = 2.0;
+constexpr int kLearningSteps = 3;  // a round
 
 // Normal equations of one image's own evidence: its robust cost and half its derivatives by the perturbation.
 struct EdgeTerm {
@@ -40,13 +43,19 @@ struct PairTerm {
   double cost = 0.0;
 };
 
-// Prior of one number a component of the correction: rotation and translation.
-struct Spread {
-  double rotation = 1.0;
-  double translation = 1.0;
-  Vector6d times(const Vector6d& sigmas) const {
+// Drift of a camera in prior sigmas; gaps in units of the camera's typical one.
+struct Drift {
+  DriftProcess rotation;
+  DriftProcess translation;
+
+  Vector6d correlations(double gap) const { return both(rotation.correlation(gap), translation.correlation(gap)); }
+  Vector6d sigmas() const { return both(rotation.sigma, translation.sigma); }
+  Vector6d innovation_sigmas(double gap) const {
+    return both(rotation.innovation_sigma(gap), translation.innovation_sigma(gap));
+  }
+  static Vector6d both(double rotation, double translation) {
     Vector6d result;
-    result << rotation * sigmas.head<3>(), translation * sigmas.tail<3>();
+    result << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
     return result;
   }
 };
@@ -83,7 +92,11 @@ class JointSolver {
       match_edges(radius_of(round));
       patch_loss_scale_ = edge_options_.loss_scale * std::pow(kFirstPatchLoss, 1.0 - progress_of(round));
       minimise();
-      if (round + 1 < options_.rounds) learn_spread();
+      // Expectation maximisation is slow where the data say little of the drift.
+      for (int k = 0; k < kLearningSteps && round + 1 < options_.rounds; ++k) {
+        learn_drift();
+        if (k + 1 < kLearningSteps) minimise();
+      }
     }
     return result();
   }
@@ -104,9 +117,11 @@ class JointSolver {
       pair.b = images.second;
       std::map<int32_t, int> on_plane;
       for (const SurfaceMatch* m : matches) ++on_plane[m->plane];
-      // As for the samples of an edge (match_weight.h).
-      for (const SurfaceMatch* m : matches)
-        pair.weights.push_back((own + common) / (own + on_plane[m->plane] * common));
+      // As for the samples of an edge (match_weight.h). Tangent planes have nothing in common.
+      for (const SurfaceMatch* m : matches) {
+        const int count = m->plane < 0 ? 1 : on_plane[m->plane];
+        pair.weights.push_back((own + common) / (own + count * common));
+      }
       pair.matches = std::move(matches);
       pairs_.push_back(std::move(pair));
     }
@@ -134,16 +149,17 @@ class JointSolver {
     return problem_.images[i].observed ? observation_term(*problem_.images[i].observed, pose) : edge_term(i, pose);
   }
 
-  // Student's t.
+  // Gaussian up to the expected square of 6 numbers, beyond it Student's t: that alone would be 2.5 times as sharp at
+  // its top.
   EdgeTerm observation_term(const PoseObservation& observed, const Rigid3& pose) const {
     const Matrix6d information = observed.information / options_.covariance_inflation;
     const Vector6d difference = camera_difference(observed.camera_from_map, pose);
     const double squared = difference.dot(information * difference);
-    const double weight = (kStudentDegrees + 6.0) / (kStudentDegrees + squared);
+    const double beyond = std::max(0.0, squared - 6.0) / (kStudentDegrees + 6.0);
     EdgeTerm term;
-    term.h = weight * information;
+    term.h = information / (1.0 + beyond);
     term.g = term.h * difference;
-    term.cost = (kStudentDegrees + 6.0) * std::log1p(squared / kStudentDegrees);
+    term.cost = std::min(squared, 6.0) + (kStudentDegrees + 6.0) * std::log1p(beyond);
     return term;
   }
 
@@ -173,18 +189,22 @@ class JointSolver {
     pair->g_a.setZero();
     pair->g_b.setZero();
     pair->cost = 0.0;
-    const double sigma = std::hypot(options_.patch_sigma_px, options_.plane_sigma_px);
+    const double variance = std::pow(options_.patch_sigma_px, 2) + std::pow(options_.plane_sigma_px, 2);
     for (size_t k = 0; k < pair->matches.size(); ++k) {
-      const auto r = surface_match_residual(*pair->matches[k], *problem_.images[pair->a].camera, poses[pair->a],
+      const SurfaceMatch& match = *pair->matches[k];
+      const auto r = surface_match_residual(match, *problem_.images[pair->a].camera, poses[pair->a],
                                             *problem_.images[pair->b].camera, poses[pair->b]);
       if (!r) continue;
-      const double squared = r->residual.squaredNorm() / (sigma * sigma);
-      const double weight = pair->weights[k] * cauchy_weight(squared, patch_loss_scale_) / (sigma * sigma);
-      pair->h_aa.noalias() += weight * r->by_a.transpose() * r->by_a;
-      pair->h_ab.noalias() += weight * r->by_a.transpose() * r->by_b;
-      pair->h_bb.noalias() += weight * r->by_b.transpose() * r->by_b;
-      pair->g_a.noalias() += weight * r->by_a.transpose() * r->residual;
-      pair->g_b.noalias() += weight * r->by_b.transpose() * r->residual;
+      const Eigen::Vector2d by_range = match.range_sigma_m * r->by_range;
+      const Eigen::Matrix2d information =
+          (variance * Eigen::Matrix2d::Identity() + by_range * by_range.transpose()).inverse();
+      const double squared = r->residual.dot(information * r->residual);
+      const Eigen::Matrix2d w = pair->weights[k] * cauchy_weight(squared, patch_loss_scale_) * information;
+      pair->h_aa.noalias() += r->by_a.transpose() * w * r->by_a;
+      pair->h_ab.noalias() += r->by_a.transpose() * w * r->by_b;
+      pair->h_bb.noalias() += r->by_b.transpose() * w * r->by_b;
+      pair->g_a.noalias() += r->by_a.transpose() * (w * r->residual);
+      pair->g_b.noalias() += r->by_b.transpose() * (w * r->residual);
       pair->cost += pair->weights[k] * cauchy_cost(squared, patch_loss_scale_);
     }
   }
@@ -198,8 +218,9 @@ class JointSolver {
 
   Vector6d velocity(size_t i) const { return problem_.images[i].velocity_per_s.value_or(Vector6d::Zero()); }
 
-  Vector6d step_sigmas(uint32_t camera, double gap) const {
-    return step_.times(prior_sigmas_) * std::sqrt(std::max(1e-3, gap / typical_gap_.at(camera)));
+  // Between image k of a sequence and the one before, in typical gaps.
+  double gap_before(uint32_t camera, const std::vector<std::pair<double, size_t>>& sequence, size_t k) const {
+    return std::max(1e-3, (sequence[k].first - sequence[k - 1].first) / typical_gap_.at(camera));
   }
 
   Vector7d shared_sigmas() const {
@@ -210,16 +231,17 @@ class JointSolver {
 
   double prior_cost(const std::vector<Rigid3>& poses, const std::map<uint32_t, Vector7d>& shared) const {
     double cost = 0.0;
-    const Vector6d drift_sigmas = drift_.times(prior_sigmas_);
     for (const auto& [camera, sequence] : problem_.sequences) {
       cost += shared.at(camera).cwiseQuotient(shared_sigmas()).squaredNorm();
       Vector6d last = Vector6d::Zero();
       for (size_t k = 0; k < sequence.size(); ++k) {
-        const Vector6d d = drift(sequence[k].second, poses, shared);
-        cost += d.cwiseQuotient(drift_sigmas).squaredNorm();
-        if (k > 0) {
-          const double gap = sequence[k].first - sequence[k - 1].first;
-          cost += (d - last).cwiseQuotient(step_sigmas(camera, gap)).squaredNorm();
+        const Vector6d d = drift(sequence[k].second, poses, shared).cwiseQuotient(prior_sigmas_);
+        if (k == 0) {
+          cost += d.cwiseQuotient(drift_.sigmas()).squaredNorm();
+        } else {
+          const double gap = gap_before(camera, sequence, k);
+          const Vector6d innovation = d - drift_.correlations(gap).cwiseProduct(last);
+          cost += innovation.cwiseQuotient(drift_.innovation_sigmas(gap)).squaredNorm();
         }
         last = d;
       }
@@ -300,19 +322,22 @@ class JointSolver {
     const Vector7d w = shared_sigmas().cwiseAbs2().cwiseInverse();
     add_block(shared_column, shared_column, Eigen::Matrix<double, 7, 7>(w.asDiagonal()));
     gradient_.segment<7>(shared_column) += w.cwiseProduct(shared_.at(camera));
-    const Vector6d drift_sigmas = drift_.times(prior_sigmas_);
     for (size_t k = 0; k < sequence.size(); ++k) {
       const size_t i = sequence[k].second;
       const int column = static_cast<int>(6 * i);
       const Vector6d d = drift(i, poses_, shared_);
-      add_prior({{column, Matrix6d::Identity()}, {shared_column, shared_design(i)}}, d, drift_sigmas);
-      if (k == 0) continue;
+      if (k == 0) {
+        add_prior({{column, Matrix6d::Identity()}, {shared_column, shared_design(i)}}, d,
+                  drift_.sigmas().cwiseProduct(prior_sigmas_));
+        continue;
+      }
       const size_t before = sequence[k - 1].second;
-      const double gap = sequence[k].first - sequence[k - 1].first;
+      const double gap = gap_before(camera, sequence, k);
+      const Matrix6d memory = drift_.correlations(gap).asDiagonal();
       add_prior({{column, Matrix6d::Identity()},
-                 {static_cast<int>(6 * before), -Matrix6d::Identity()},
-                 {shared_column, shared_design(i) - shared_design(before)}},
-                d - drift(before, poses_, shared_), step_sigmas(camera, gap));
+                 {static_cast<int>(6 * before), -memory},
+                 {shared_column, shared_design(i) - memory * shared_design(before)}},
+                d - memory * drift(before, poses_, shared_), drift_.innovation_sigmas(gap).cwiseProduct(prior_sigmas_));
     }
   }
 
@@ -364,65 +389,100 @@ class JointSolver {
     return block;
   }
 
-  // Expected squares of drift and of its steps given the data, in prior sigmas (the uncertainty of what the images
-  // share is left out of the former: it is small beside the drift where there is any).
-  void learn_spread() {
+  // Covariances of the drifts of two images that are neighbours or the same, component by component.
+  Vector6d drift_covariance(const SelectedInverse& inverse, uint32_t camera, size_t i, size_t j) const {
+    const Eigen::Index s = shared_column_.at(camera);
+    const Eigen::Index a = static_cast<Eigen::Index>(6 * i);
+    const Eigen::Index b = static_cast<Eigen::Index>(6 * j);
+    const Vector6d v = velocity(i);
+    const Vector6d w = velocity(j);
+    Vector6d covariance;
+    for (Eigen::Index r = 0; r < 6; ++r) {
+      covariance(r) = inverse.at(a + r, b + r) - inverse.at(a + r, s + r) - inverse.at(b + r, s + r) +
+                      inverse.at(s + r, s + r) + (v(r) + w(r)) * inverse.at(s + r, s + 6) -
+                      w(r) * inverse.at(a + r, s + 6) - v(r) * inverse.at(b + r, s + 6) +
+                      v(r) * w(r) * inverse.at(s + 6, s + 6);
+    }
+    return covariance;
+  }
+
+  // Size and memory of the drift from its expected products given the data; the three axes have them in common.
+  void learn_drift() {
     factorise();
     const SelectedInverse inverse(factor_);
-    Spread drift_squares{0, 0}, step_squares{0, 0};
-    int drifts = 0, steps = 0;
-    const auto add = [&](const Vector6d& d, const Matrix6d& covariance, double scale, Spread* sum) {
-      const Vector6d squares = (d.cwiseAbs2() + covariance.diagonal()).cwiseQuotient(prior_sigmas_.cwiseAbs2()) / scale;
-      sum->rotation += squares.head<3>().mean();
-      sum->translation += squares.tail<3>().mean();
-    };
+    std::vector<double> first[2];
+    std::vector<DriftPair> pairs[2];
     for (const auto& [camera, sequence] : problem_.sequences) {
+      const Vector6d scale = prior_sigmas_.cwiseAbs2();
+      Vector6d d_before = Vector6d::Zero();
+      Vector6d squares_before = Vector6d::Zero();
       for (size_t k = 0; k < sequence.size(); ++k) {
         const size_t i = sequence[k].second;
         const Vector6d d = drift(i, poses_, shared_);
-        const Matrix6d own = covariance_block(inverse, i, i);
-        add(d, own, 1.0, &drift_squares);
-        ++drifts;
-        if (k == 0) continue;
-        const size_t before = sequence[k - 1].second;
-        const Matrix6d cross = covariance_block(inverse, i, before);
-        const double gap = std::max(1e-3, (sequence[k].first - sequence[k - 1].first) / typical_gap_.at(camera));
-        add(d - drift(before, poses_, shared_),
-            own + covariance_block(inverse, before, before) - cross - cross.transpose(), gap, &step_squares);
-        ++steps;
+        const Vector6d squares = (d.cwiseAbs2() + drift_covariance(inverse, camera, i, i)).cwiseQuotient(scale);
+        if (k > 0) {
+          const Vector6d products =
+              (d.cwiseProduct(d_before) + drift_covariance(inverse, camera, i, sequence[k - 1].second))
+                  .cwiseQuotient(scale);
+          const double gap = gap_before(camera, sequence, k);
+          for (int part = 0; part < 2; ++part) {
+            pairs[part].push_back({gap, squares_before.segment<3>(3 * part).mean(),
+                                   products.segment<3>(3 * part).mean(), squares.segment<3>(3 * part).mean()});
+          }
+        } else {
+          for (int part = 0; part < 2; ++part) first[part].push_back(squares.segment<3>(3 * part).mean());
+        }
+        d_before = d;
+        squares_before = squares;
       }
     }
-    const auto root = [](const Spread& sum, int count) {
-      return Spread{std::clamp(std::sqrt(sum.rotation / std::max(1, count)), kMinDrift, 2.0),
-                    std::clamp(std::sqrt(sum.translation / std::max(1, count)), kMinDrift, 2.0)};
-    };
-    drift_ = root(drift_squares, drifts);
-    step_ = root(step_squares, steps);
+    drift_.rotation = most_likely_drift(first[0], pairs[0], kMinDrift, kMaxDrift);
+    drift_.translation = most_likely_drift(first[1], pairs[1], kMinDrift, kMaxDrift);
+  }
+
+  // At the minimum all gradients add up to zero: that of everything else is minus that of the image's own edges.
+  std::vector<PoseGuess> guesses_from_others() {
+    factorise();
+    const SelectedInverse inverse(factor_);
+    std::vector<PoseGuess> guesses;
+    for (size_t i = 0; i < poses_.size(); ++i) {
+      const Matrix6d rest = covariance_block(inverse, i, i).inverse() - edge_terms_[i].h;
+      const Eigen::LDLT<Matrix6d> ldlt(rest);
+      guesses.emplace_back(perturb_camera(poses_[i], ldlt.solve(edge_terms_[i].g)),
+                           Matrix6d(ldlt.solve(Matrix6d::Identity())));
+    }
+    return guesses;
+  }
+
+  // Divides the information of edges and patches (that of observations is so already).
+  void inflate_evidence() {
+    for (size_t i = 0; i < poses_.size(); ++i) {
+      if (!problem_.images[i].observed) edge_terms_[i].h /= options_.covariance_inflation;
+    }
+    for (PairTerm& pair : pairs_) {
+      for (Matrix6d* h : {&pair.h_aa, &pair.h_ab, &pair.h_bb}) *h /= options_.covariance_inflation;
+    }
   }
 
   JointResult result() {
-    factorise();
-    const SelectedInverse inverse(factor_);
     JointResult result;
+    const std::vector<PoseGuess> from_others = guesses_from_others();
+    inflate_evidence();
+    assemble();
+    factor_.compute(information_);
+    const SelectedInverse inverse(factor_);
     for (size_t i = 0; i < poses_.size(); ++i) {
-      JointPose pose;
-      pose.camera_from_map = poses_[i];
-      pose.covariance = covariance_block(inverse, i, i);
-      // At the minimum all gradients add up to zero: that of everything else is minus that of the image's own edges.
-      const Matrix6d rest = pose.covariance.inverse() - edge_terms_[i].h;
-      const Eigen::LDLT<Matrix6d> ldlt(rest);
-      pose.from_others = {perturb_camera(poses_[i], ldlt.solve(edge_terms_[i].g)),
-                          Matrix6d(ldlt.solve(Matrix6d::Identity()))};
-      result.poses.push_back(pose);
+      result.poses.push_back({poses_[i], covariance_block(inverse, i, i), from_others[i]});
     }
     for (const auto& [camera, value] : shared_) {
       SharedErrors errors;
       const int column = shared_column_.at(camera);
       errors.num_images = static_cast<int>(problem_.sequences.at(camera).size());
       errors.extrinsic = value.head<6>();
-      for (int k = 0; k < 6; ++k) errors.extrinsic_sigmas(k) = std::sqrt(inverse.at(column + k, column + k));
+      const auto sigma = [&](int k) { return std::sqrt(inverse.at(column + k, column + k)); };
+      for (int k = 0; k < 6; ++k) errors.extrinsic_sigmas(k) = sigma(k);
       errors.time_offset_s = value(6);
-      errors.time_offset_sigma_s = std::sqrt(inverse.at(column + 6, column + 6));
+      errors.time_offset_sigma_s = sigma(6);
       result.shared[camera] = errors;
     }
     return result;
@@ -442,7 +502,7 @@ class JointSolver {
   std::vector<EdgeTerm> edge_terms_;
   std::vector<PairTerm> pairs_;
   double patch_loss_scale_ = 1.0;
-  Spread drift_, step_;
+  Drift drift_;
   std::vector<Eigen::Triplet<double>> triplets_;
   Eigen::VectorXd gradient_;
   Eigen::SparseMatrix<double> information_;

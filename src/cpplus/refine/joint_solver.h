@@ -22,9 +22,9 @@ struct JointOptions {
   double plane_sigma_px = 0.3;
   /// Standard deviation of the time offset, seconds. (0, inf)
   double time_offset_sigma_s = 0.05;
-  /// Poses of single images are less certain than their own covariance says by about this factor on it, as matches may
-  /// be wrong. [1, inf)
-  double covariance_inflation = 4.0;
+  /// Poses are less certain by about this factor on their covariance than independent matches would make them: matches
+  /// may be wrong, and neighbouring edges, planes and images share the errors of the map. [1, inf)
+  double covariance_inflation = 5.0;
 
   void validate() const;
   template <typename Visitor>
@@ -33,7 +33,7 @@ struct JointOptions {
     visitor("patch_sigma_px", patch_sigma_px, "Standard deviation of a patch's place in another image, pixels.");
     visitor("plane_sigma_px", plane_sigma_px, "What all patches of a plane have in common, pixels.");
     visitor("time_offset_sigma_s", time_offset_sigma_s, "Standard deviation of the time offset, seconds.");
-    visitor("covariance_inflation", covariance_inflation, "Factor on the covariances of poses of single images.");
+    visitor("covariance_inflation", covariance_inflation, "Factor on covariances, for errors that matches have in common.");
   }
 };
 
@@ -73,7 +73,7 @@ struct JointProblem {
 struct JointPose {
   Rigid3 camera_from_map;
   Matrix6d covariance = Matrix6d::Zero();  // of the perturbation in geometry/rigid3.h
-  /// What everything but the image's own edges (or observation) says of its pose.
+  /// What everything but the image's own edges (or observation) says of its pose; not inflated, as these are not.
   PoseGuess from_others;
 };
 
@@ -100,9 +100,9 @@ struct JointResult {
 /// with an extrinsic error e and a time offset t of each camera, the camera's velocity v_i and a drift d_i that changes
 /// little from image to image; minimised are, robustly, the distances of map edges to image edges (or to the pose that
 /// an image on its own gives; Student's t with 4 degrees of freedom), the places where patches of the map's planes are
-/// found in other images (surface_match_residual.h), and the priors of e, t, d_i and d_i - d_i+1. How large and how
-/// smooth the drift is follows from the data (expectation maximisation), so that errors that are independent from image
-/// to image are found to be so. Sparse: cost linear in images.
+/// found in other images (surface_match_residual.h), and the priors of e, t and of the drift (drift_model.h). How large
+/// and how smooth that is follows from the data (expectation maximisation), so that errors that are independent from
+/// image to image are found to be so. Sparse: cost linear in images.
 JointResult solve_joint(const JointProblem& problem, const Vector6d& prior_sigmas, const JointEdgeOptions& edges,
                         const JointOptions& options);
 

@@ -11,8 +11,9 @@
 namespace cpplus {
 namespace {
 
-// Others place an image when they leave it uncertain by so many times what is accepted.
-constexpr double kPlacedByOthers = 2.0;
+// Others place an image when they leave it uncertain by so many times what is accepted; their covariance is not
+// inflated.
+constexpr double kPlacedByOthers = 1.0;
 // Log likelihood ratio that random edges hardly reach around one pose.
 constexpr double kMinLogRatioOfPlaced = 20.0;
 

@@ -40,8 +40,8 @@ struct RefinePoseOptions {
   /// The same to the coarse pose: what the best of many poses gains by chance. [0, inf)
   double min_log_gain = 10.0;
   /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
-  /// covariance, to be off by no more than this, pixels. True errors are about two times that. (0, inf)
-  double max_predicted_shift_px = 2.0;
+  /// covariance, to be off by no more than this, pixels. (0, inf)
+  double max_predicted_shift_px = 4.0;
 
   void validate() const;
   template <typename Visitor>

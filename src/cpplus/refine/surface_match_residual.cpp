@@ -33,6 +33,7 @@ std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& m
   if (!camera_b.project(x_in_b, &pixel, &d_pixel_d_x)) return std::nullopt;
   SurfaceMatchResidual r;
   r.residual = pixel - match.pixel_b;
+  r.by_range = d_pixel_d_x * (b_from_map.rotation * direction);
   const Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity() - direction * match.normal_in_map.transpose() / slope;
   const Eigen::Matrix<double, 2, 3> d_pixel_d_motion =
       d_pixel_d_x * b_from_map.rotation.toRotationMatrix() * in_plane * map_from_a;

@@ -15,6 +15,8 @@ struct SurfaceMatchResidual {
   /// By the perturbations (geometry/rigid3.h) of either camera.
   Eigen::Matrix<double, 2, 6> by_a = Eigen::Matrix<double, 2, 6>::Zero();
   Eigen::Matrix<double, 2, 6> by_b = Eigen::Matrix<double, 2, 6>::Zero();
+  /// By the range of the surface along the ray of camera a, pixels per metre: along the epipolar line.
+  Eigen::Vector2d by_range = Eigen::Vector2d::Zero();
 };
 
 /// The ray of pixel_a is met with the plane (n, p), and that point projected into image b:

@@ -247,4 +247,21 @@ RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const C
   return raster;
 }
 
+void add_mean_ranges(const std::vector<ProjectedPoint>& points, double depth_m, RangeRaster* raster) {
+  const int width = raster->range.width;
+  const int height = raster->range.height;
+  raster->mean_range = RangeImage(width, height, 0.0f);
+  raster->num_points = Image<uint16_t>(width, height, 0);
+  const float depth = static_cast<float>(depth_m);
+  for (const ProjectedPoint& point : points) {
+    const Eigen::Vector2i at = raster->cell_of(point.pixel);
+    const float nearest = raster->range_at(at);
+    if (nearest <= 0.0f || point.range > nearest + depth) continue;
+    uint16_t& count = raster->num_points.at(at.x(), at.y());
+    if (count == std::numeric_limits<uint16_t>::max()) continue;
+    float& mean = raster->mean_range.at(at.x(), at.y());
+    mean += (point.range - mean) / static_cast<float>(++count);
+  }
+}
+
 }  // namespace cpplus

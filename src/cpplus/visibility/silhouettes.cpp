@@ -331,11 +331,17 @@ void SilhouetteOptions::validate() const {
 
 std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing, const Camera& camera,
                                       const Rigid3& camera_from_map, const SilhouetteOptions& options) {
-  std::vector<MapEdge> edges;
-  if (!options.enabled) return edges;
+  if (!options.enabled) return {};
   const std::vector<ProjectedPoint> points =
       project_points(map, leaf_spacing, camera, camera_from_map, options.max_distance_m);
-  const RangeRaster raster = draw_range_raster(points, camera, options.cell_px);
+  return find_silhouettes(points, draw_range_raster(points, camera, options.cell_px), camera, camera_from_map, options);
+}
+
+std::vector<MapEdge> find_silhouettes(const std::vector<ProjectedPoint>& points, const RangeRaster& raster,
+                                      const Camera& camera, const Rigid3& camera_from_map,
+                                      const SilhouetteOptions& options) {
+  std::vector<MapEdge> edges;
+  if (!options.enabled) return edges;
   const std::vector<Piece> pieces = PieceCutter(raster, options).run();
   const PointsNearPieces near_points(points, pieces, raster);
   for (const Piece& piece : pieces) {

@@ -8,6 +8,7 @@
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/rigid3.h"
 #include "cpplus/visibility/outline_chains.h"
+#include "cpplus/visibility/range_raster.h"
 
 namespace cpplus {
 
@@ -61,5 +62,10 @@ struct SilhouetteOptions {
 /// map frame. Linear in the points in view.
 std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing, const Camera& camera,
                                       const Rigid3& camera_from_map, const SilhouetteOptions& options);
+
+/// The same from points that are projected and drawn already.
+std::vector<MapEdge> find_silhouettes(const std::vector<ProjectedPoint>& points, const RangeRaster& raster,
+                                      const Camera& camera, const Rigid3& camera_from_map,
+                                      const SilhouetteOptions& options);
 
 }  // namespace cpplus
