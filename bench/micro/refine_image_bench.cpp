@@ -113,7 +113,7 @@ void register_all(const Scene& s) {
   add("Joint/view", [&s](const View& v) {
     prepare_joint_view(s.features, *v.camera, v.refined.report.camera_from_map, v.image, s.options);
   });
-  add("Joint/patches", [&s](const View& v) { prepare_patch_view(v.image, v.planes, s.options.patches); });
+  add("Joint/patches", [&s](const View& v) { prepare_patch_view(v.image, v.planes, v.joint.patches.raster, s.options.patches); });
   add("Joint/match_next", [&s](const View& v) {
     const View& next = &v == &s.views.back() ? s.views.front() : *(&v + 1);
     match_patches(v.joint.patches, next.joint.patches, s.options.patches);

@@ -18,6 +18,8 @@ constexpr size_t kNearestImages = 12;
 constexpr size_t kMaxPartners = 4;
 // Least share of an image's patches that a partner should see.
 constexpr double kMinOverlap = 0.15;
+// A patch fits when it lies this near to where the poses put it.
+constexpr double kMaxPatchResidualPx = 1.5;
 
 // NaN of nothing.
 double median(std::vector<double> values) {
@@ -81,7 +83,7 @@ class JointRefiner {
                                  refine.loss_scale,
                                  {refine.image_sigma_px, refine.edge_sigma_px}};
     JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
-    judge(result);
+    judge(result, surface_supports(problem.matches, result));
     measure_surfaces(matches, result);
     return result;
   }
@@ -166,13 +168,27 @@ class JointRefiner {
     return result;
   }
 
-  void judge(const JointResult& result) {
+  // By image, as JointCandidate::surface_support.
+  std::vector<int> surface_supports(const std::vector<SurfaceMatch>& matches, const JointResult& result) const {
+    std::vector<int> supports(views_.size(), 0);
+    for (const SurfaceMatch& m : matches) {
+      const auto r = surface_match_residual(m, camera_of(m.image_a), result.poses[m.image_a].camera_from_map,
+                                            camera_of(m.image_b), result.poses[m.image_b].camera_from_map);
+      const int vote = r && r->residual.norm() <= kMaxPatchResidualPx ? 1 : -1;
+      supports[m.image_a] += vote;
+      supports[m.image_b] += vote;
+    }
+    return supports;
+  }
+
+  void judge(const JointResult& result, const std::vector<int>& surface_supports) {
     parallel_for_each(participants_.size(), [&](size_t k) {
       const size_t i = participants_[k];
       const RefinePoseResult alone = reports_[i].refine;
       RefinePoseResult together = judge_joint_pose(
           camera_of(i),
-          {input_.model.images[i].camera_from_map, result.poses[i], &views_[i].edges, views_[i].surface_in_map},
+          {input_.model.images[i].camera_from_map, result.poses[i], &views_[i].edges, views_[i].surface_in_map,
+           surface_supports[i]},
           alone.held_out_before, options_.refine);
       together.before = alone.before;
       together.iterations = alone.iterations;

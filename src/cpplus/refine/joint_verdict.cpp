@@ -14,8 +14,10 @@ namespace {
 // Others place an image when they leave it uncertain by so many times what is accepted; their covariance is not
 // inflated.
 constexpr double kPlacedByOthers = 1.0;
-// Log likelihood ratio that random edges hardly reach around one pose.
+// Log likelihood ratio that random edges hardly reach around one pose; a patch that fits is worth one. (A spot found by
+// chance would lie anywhere within tens of pixels; but patches of one surface fit or fail together.)
 constexpr double kMinLogRatioOfPlaced = 20.0;
+constexpr double kLogRatioOfPatch = 1.0;
 
 EdgeResidual summarise(std::vector<double> distances, double first_radius_px, double last_radius_px) {
   const auto num_matches =
@@ -98,7 +100,9 @@ class JointJudge {
     // Where the others place the image its own edges need only agree; else they must be more than the best of many
     // poses finds by chance.
     if (predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * options_.max_predicted_shift_px) {
-      return result.held_out_after.log_ratio < kMinLogRatioOfPlaced ? kByChance : "";
+      const double log_ratio =
+          result.held_out_after.log_ratio + kLogRatioOfPatch * std::max(0, candidate_.surface_support);
+      return log_ratio < kMinLogRatioOfPlaced ? kByChance : "";
     }
     if (result.num_matches < options_.min_samples || result.num_edges < options_.min_edges) {
       return "too few matched edges";

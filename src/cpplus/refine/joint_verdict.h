@@ -15,12 +15,15 @@ struct JointCandidate {
   JointPose pose;
   const EdgeEvidence* edges = nullptr;
   std::vector<Eigen::Vector3d> surface_in_map;  // points that the image sees
+  /// Patches of it found in other images, or theirs in it, that fit the solution, minus those that do not.
+  int surface_support = 0;
 };
 
 /// Judges a pose of the joint solve: fills residuals (each sample judged by a pose that the other folds of edges and
 /// the other images give), information, weak directions and the predicted shift. The pose is believed when it is
 /// expected to be off by no more than max_predicted_shift_px, and its edges agree: if the other images do not place it
-/// already, more than by chance and better than at the coarse pose (`held_out_before`).
+/// already, more than by chance and better than at the coarse pose (`held_out_before`); else edges and patches together
+/// more than by chance.
 RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
                                   const EdgeResidual& held_out_before, const RefinePoseOptions& options);
 
