@@ -141,6 +141,19 @@ TEST(JointVerdict, WhereOthersPlaceTheImageItsEdgesNeedOnlyAgree) {
   EXPECT_EQ(judge(placed, options).status, RefineStatus::kRefined);
 }
 
+TEST(JointVerdict, PatchesThatFitMakeUpForMissingEdgesWhereOthersPlaceTheImage) {
+  const View view;
+  JointCandidate candidate = candidate_at(view, true_view(), kWellKnown, kWellKnown);
+  const EdgeEvidence none;
+  candidate.edges = &none;
+  candidate.surface_support = 19;
+  expect_refused(judge(candidate), candidate, "more than by chance");
+  candidate.surface_support = 20;
+  EXPECT_EQ(judge(candidate).status, RefineStatus::kRefined);
+  candidate.pose.from_others.covariance = kAsCoarse;
+  expect_refused(judge(candidate), candidate, "too few matched edges");
+}
+
 TEST(JointVerdict, WithoutOthersItMustBeatTheCoarsePose) {
   const View view;
   const JointCandidate candidate = candidate_at(view, true_view(), kWellKnown, kAsCoarse);
