@@ -185,11 +185,10 @@ class JointRefiner {
     parallel_for_each(participants_.size(), [&](size_t k) {
       const size_t i = participants_[k];
       const RefinePoseResult alone = reports_[i].refine;
-      RefinePoseResult together = judge_joint_pose(
-          camera_of(i),
-          {input_.model.images[i].camera_from_map, result.poses[i], &views_[i].edges, views_[i].surface_in_map,
-           surface_supports[i]},
-          alone.held_out_before, options_.refine);
+      RefinePoseResult together = judge_joint_pose(camera_of(i),
+                                                   {input_.model.images[i].camera_from_map, result.poses[i],
+                                                    &views_[i].edges, views_[i].surface_in_map, surface_supports[i]},
+                                                   alone.held_out_before, options_.refine);
       together.before = alone.before;
       together.iterations = alone.iterations;
       ImageReport& report = reports_[i];

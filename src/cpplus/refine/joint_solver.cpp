@@ -349,7 +349,7 @@ class JointSolver {
       assemble();
       Eigen::SparseMatrix<double> damped = information_;
       for (int i = 0; i < size_; ++i) damped.coeffRef(i, i) *= 1.0 + damping;
-      factor_.compute(damped);
+      factorise(damped);
       const Eigen::VectorXd x = -factor_.solve(gradient_);
       std::vector<Rigid3> poses = poses_;
       std::map<uint32_t, Vector7d> shared = shared_;
@@ -373,10 +373,16 @@ class JointSolver {
     }
   }
 
+  // The matrix has the same entries each time, so that they are put in order once.
+  void factorise(const Eigen::SparseMatrix<double>& matrix) {
+    if (factor_.rows() == 0) factor_.analyzePattern(matrix);
+    factor_.factorize(matrix);
+  }
+
   void factorise() {
     evaluate_all(poses_, shared_);
     assemble();
-    factor_.compute(information_);
+    factorise(information_);
   }
 
   Matrix6d covariance_block(const SelectedInverse& inverse, size_t i, size_t j) const {
@@ -469,7 +475,7 @@ class JointSolver {
     const std::vector<PoseGuess> from_others = guesses_from_others();
     inflate_evidence();
     assemble();
-    factor_.compute(information_);
+    factorise(information_);
     const SelectedInverse inverse(factor_);
     for (size_t i = 0; i < poses_.size(); ++i) {
       result.poses.push_back({poses_[i], covariance_block(inverse, i, i), from_others[i]});
