@@ -24,7 +24,7 @@ struct JointOptions {
   double time_offset_sigma_s = 0.05;
   /// Poses are less certain by about this factor on their covariance than independent matches would make them: matches
   /// may be wrong, and neighbouring edges, planes and images share the errors of the map. [1, inf)
-  double covariance_inflation = 5.0;
+  double covariance_inflation = 7.0;
 
   void validate() const;
   template <typename Visitor>

@@ -13,7 +13,7 @@ namespace {
 
 // Others place an image when they leave it uncertain by so many times what is accepted; their covariance is not
 // inflated.
-constexpr double kPlacedByOthers = 1.0;
+constexpr double kPlacedByOthers = 0.8;
 // Log likelihood ratio that random edges hardly reach around one pose; a patch that fits is worth one. (A spot found by
 // chance would lie anywhere within tens of pixels; but patches of one surface fit or fail together.)
 constexpr double kMinLogRatioOfPlaced = 20.0;

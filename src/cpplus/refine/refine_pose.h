@@ -41,7 +41,7 @@ struct RefinePoseOptions {
   double min_log_gain = 10.0;
   /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
   /// covariance, to be off by no more than this, pixels. (0, inf)
-  double max_predicted_shift_px = 4.0;
+  double max_predicted_shift_px = 5.0;
 
   void validate() const;
   template <typename Visitor>
