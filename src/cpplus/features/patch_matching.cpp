@@ -296,6 +296,7 @@ void PatchMatchingOptions::validate() const {
 PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, const RangeRaster& raster,
                              const PatchMatchingOptions& options) {
   PatchView view;
+  if (!options.enabled) return view;
   view.planes = planes;
   view.raster = raster;
   view.pyramid.push_back(as_float(image));

@@ -14,6 +14,8 @@
 namespace cpplus {
 
 struct PatchMatchingOptions {
+  /// Off: images are tied together by what they share alone.
+  bool enabled = true;
   /// Most patches of an image that are looked for in another one. [1, inf)
   int max_patches = 200;
   /// Least distance between patches, pixels. (0, inf)
@@ -30,6 +32,7 @@ struct PatchMatchingOptions {
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
+    visitor("enabled", enabled, "Look for patches of the map's surface in other images.");
     visitor("max_patches", max_patches, "Most patches of an image that are looked for in another one.");
     visitor("min_distance_px", min_distance_px, "Least distance between patches, pixels.");
     visitor("radius_px", radius_px, "Half the edge of a patch, pixels of each pyramid level.");

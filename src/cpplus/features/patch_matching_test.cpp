@@ -190,6 +190,16 @@ TEST(PatchMatching, TheSameViewMatchesItself) {
   EXPECT_EQ(patch_overlap(view, view), 1.0);
 }
 
+TEST(PatchMatching, SwitchedOffThereAreNone) {
+  const Scene scene({Wall{}});
+  PatchMatchingOptions options;
+  options.enabled = false;
+  const PatchView view =
+      prepare_patch_view(scene.photograph(pinhole(), view_a()), scene.plane_buffer(pinhole(), view_a()), {}, options);
+  EXPECT_TRUE(view.patches.empty());
+  EXPECT_TRUE(match_patches(view, view, options).empty());
+}
+
 TEST(PatchMatching, FindsThemWhereThePosesAreTenPixelsOff) {
   const Scene scene({Wall{}});
   Shot shot;
