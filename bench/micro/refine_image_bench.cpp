@@ -28,7 +28,8 @@ struct View {
   GrayImage image;
   ImageEdges image_edges;
   PlaneBuffer planes;
-  RefinedImage refined;
+  EdgesInView seen;  // from the coarse pose
+  Rigid3 refined_camera_from_map;
   JointView joint;
 };
 
@@ -39,7 +40,7 @@ struct Scene {
   std::vector<View> views;
 
   PoseGuess guess(const View& view) const { return {view.camera_from_map, options.refine.prior.sigmas()}; }
-  RefinedImage refine(const View& view, const GrayImage& image) const {
+  ImageReport refine(const View& view, const GrayImage& image) const {
     return refine_image(
         features, view.name, *view.camera, view.camera_from_map, guess(view), [&] { return image; }, options);
   }
@@ -58,9 +59,10 @@ void load(const std::string& folder, const std::string& poses, Scene* scene) {
     view.image_edges = detect_image_edges(view.image, scene->options.image_edges);
     view.planes = render_plane_buffer(scene->features.map, scene->features.planes, scene->features.surface,
                                       *view.camera, view.camera_from_map, scene->options.visibility);
-    view.refined = scene->refine(view, view.image);
-    view.joint = prepare_joint_view(scene->features, *view.camera, view.refined.report.camera_from_map, view.image,
-                                    scene->options);
+    view.seen = find_edges_in_view(scene->features, *view.camera, view.camera_from_map, scene->options);
+    view.refined_camera_from_map = scene->refine(view, view.image).camera_from_map;
+    view.joint =
+        prepare_joint_view(scene->features, *view.camera, view.refined_camera_from_map, view.image, scene->options);
     scene->views.push_back(std::move(view));
   }
 }
@@ -102,18 +104,19 @@ void register_all(const Scene& s) {
     find_silhouettes(s.features.map, s.features.leaf_spacing, *v.camera, v.camera_from_map, s.options.silhouettes);
   });
   add("Alone/samples", [&s](const View& v) {
-    sample_visible_edges(v.refined.edges, *v.camera, v.camera_from_map, v.planes, s.options.samples);
+    sample_visible_edges(v.seen.edges, *v.camera, v.camera_from_map, v.planes, s.options.samples);
   });
   add("Alone/image_edges", [&s](const View& v) { detect_image_edges(v.image, s.options.image_edges); });
   add("Alone/refine", [&s](const View& v) {
-    if (v.refined.samples.empty()) return;
-    refine_pose(*v.camera, v.camera_from_map, s.guess(v), v.refined.edges, v.refined.samples, v.image_edges,
+    if (v.seen.samples.empty()) return;
+    refine_pose(*v.camera, v.camera_from_map, s.guess(v), v.seen.edges, v.seen.samples, v.image_edges,
                 s.options.refine);
   });
   add("Joint/view", [&s](const View& v) {
-    prepare_joint_view(s.features, *v.camera, v.refined.report.camera_from_map, v.image, s.options);
+    prepare_joint_view(s.features, *v.camera, v.refined_camera_from_map, v.image, s.options);
   });
-  add("Joint/patches", [&s](const View& v) { prepare_patch_view(v.image, v.planes, v.joint.patches.raster, s.options.patches); });
+  add("Joint/patches",
+      [&s](const View& v) { prepare_patch_view(v.image, v.planes, v.joint.patches.raster, s.options.patches); });
   add("Joint/match_next", [&s](const View& v) {
     const View& next = &v == &s.views.back() ? s.views.front() : *(&v + 1);
     match_patches(v.joint.patches, next.joint.patches, s.options.patches);
