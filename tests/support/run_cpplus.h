@@ -11,7 +11,13 @@ struct ProcessResult {
   std::string err;
 };
 
-/// Runs the built program with these arguments, without a shell and without a terminal.
+/// Runs a program, given by its path, without a shell and without a terminal.
+ProcessResult run_program(const std::string& program, const std::vector<std::string>& arguments);
+
+/// Starts the built program and kills it (SIGKILL) after so many milliseconds, unless it ended before.
+ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, int milliseconds);
+
+/// Runs the built program with these arguments.
 ProcessResult run_cpplus(const std::vector<std::string>& arguments);
 
 /// The lines of a text, without their ends.
