@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "cpplus/core/random.h"
 #include "cpplus/core/stopwatch.h"
@@ -92,27 +94,43 @@ std::vector<std::string> names_of(const std::map<std::string, std::string>& cont
   return names;
 }
 
+/// "clean: done in 1.2 s" -> 1.2
+double seconds_of(const std::string& step, const std::string& out) {
+  const std::string begin = step + ": done in ";
+  const size_t at = out.find(begin);
+  return at == std::string::npos ? 0.0 : std::stod(out.substr(at + begin.size()));
+}
+
+/// Returns once a file is there and a little later, or after ten seconds, when the process may have ended.
+void wait_for(const std::string& file, double then_s) {
+  const Stopwatch watch;
+  while (!file.empty() && !fs::exists(file) && watch.milliseconds() < 1e4) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  std::this_thread::sleep_for(std::chrono::duration<double>(then_s));
+}
+
 TEST(Resume, ARunKilledAtRandomMomentsEndsAsOneThatWasNot) {
   const std::string directory = make_test_directory();
-  const Stopwatch watch;
   const ProcessResult whole = run_cpplus(write_run(directory + "/whole"));
-  const double whole_ms = watch.milliseconds();
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
 
-  constexpr int kMaxKills = 14;
   constexpr int kKilled = 128 + 9;
   const std::vector<std::string> arguments = write_run(directory + "/killed");
   Random random(7);
-  ProcessResult last;
   int num_kills = 0;
-  double limit_ms = 0.4 * whole_ms;  // longer after each kill, so that every step gets its time in the end
-  while (num_kills < kMaxKills) {
-    last = run_cpplus_and_kill(arguments, static_cast<int>(random.uniform(0.0, limit_ms)));
-    if (last.exit_code != kKilled) break;
-    ++num_kills;
-    limit_ms *= 1.05;
+  std::string before;  // what stands there when the step begins
+  for (const std::string step : {"import", "clean", "poses", "refine", "colorize"}) {
+    const double seconds = seconds_of(step, whole.out);
+    for (int i = 0; i < 2; ++i) {
+      const ProcessResult killed =
+          run_cpplus_and_kill(arguments, [&] { wait_for(before, random.uniform(0.0, 0.1 + seconds)); });
+      EXPECT_TRUE(killed.exit_code == kKilled || killed.exit_code == 0) << killed.err;
+      num_kills += killed.exit_code == kKilled ? 1 : 0;
+    }
+    before = directory + "/killed/run.yaml.state/" + step + ".done";
   }
-  if (num_kills == kMaxKills) last = run_cpplus(arguments);
+  const ProcessResult last = run_cpplus(arguments);
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_GE(num_kills, 5);
   RecordProperty("kills", num_kills);

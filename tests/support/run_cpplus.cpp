@@ -7,13 +7,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 namespace cpplus {
 
@@ -45,6 +43,8 @@ ProcessResult run(const std::string& program, const std::vector<std::string>& ar
   const std::string stem = testing::TempDir() + "/cpplus_" + std::to_string(getpid());
   const std::string out = stem + ".out";
   const std::string err = stem + ".err";
+  write_file(out, "");  // there even where the process is killed before it opens them
+  write_file(err, "");
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("cannot fork");
   if (child == 0) execute(program, arguments, out, err);
@@ -68,10 +68,10 @@ ProcessResult run_program(const std::string& program, const std::vector<std::str
 
 ProcessResult run_cpplus(const std::vector<std::string>& arguments) { return run_program(CPPLUS_BINARY, arguments); }
 
-ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, int milliseconds) {
+ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment) {
   // A process that has ended keeps its number until it is waited for, so nothing else can be hit.
-  return run(CPPLUS_BINARY, arguments, [milliseconds](pid_t child) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  return run(CPPLUS_BINARY, arguments, [&moment](pid_t child) {
+    moment();
     kill(child, SIGKILL);
   });
 }
