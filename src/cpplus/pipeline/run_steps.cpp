@@ -106,7 +106,7 @@ bool is_done(const RunStep& step, const fs::path& done, const std::string& cause
   for (std::string line; std::getline(made, line);) {
     const std::string name = line.substr(0, line.rfind(": ") + 2);
     const auto same = step.output_may_be_edited ? there.lower_bound(name) : there.find(line);
-    if (same == there.end() || !same->starts_with(name)) return false;
+    if (same == there.end() || !same->starts_with(name) || same->ends_with(": none")) return false;
   }
   return true;
 }
