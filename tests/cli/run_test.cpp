@@ -1,4 +1,5 @@
 // `cpplus run`: the steps of a configuration, one after the other, each once.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -58,6 +59,48 @@ TEST(Run, AFailedStepEndsTheRunAndIsTriedAgain) {
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_THAT(resumed.out, HasSubstr("poses: up to date\n"));
   EXPECT_THAT(resumed.out, HasSubstr("colorize: done"));
+}
+
+/// What ran of a run's steps: "poses colorize".
+std::string steps_done(const std::vector<std::string>& arguments) {
+  const ProcessResult result = run_cpplus(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  std::string done;
+  for (const std::string& line : lines_of(result.out)) {
+    const size_t end = line.find(": done");
+    if (end == std::string::npos) continue;
+    if (!done.empty()) done += ' ';
+    done += line.substr(0, end);
+  }
+  return done;
+}
+
+TEST(Run, AChangeRunsTheStepsThatItConcerns) {
+  const TinyScene scene = scene_for_run();
+  scene.write(
+      "project.yaml",
+      fmt::format("clean: {{scans: {0}/scans, poses: {0}/scans/poses.txt, labels: {0}/labels, out: {0}/clean.pcd}}\n"
+                  "poses: {{trajectory: {0}/trajectory.txt, rig: {0}/rig.yaml, images: {0}/images,\n"
+                  "        stamps: {0}/stamps.txt, max_gap_s: 1.5, out: {0}/coarse}}\n"
+                  "refine: {{map: {0}/clean.pcd, images: {0}/images, poses: {0}/coarse, out: {0}/refined}}\n"
+                  "colorize: {{map: {0}/clean.pcd, images: {0}/images, poses: {0}/refined/sparse,\n"
+                  "           out: {0}/out.ply}}\n",
+                  scene.directory()));
+  const std::vector<std::string> run = {"run", "--config", scene.path("project.yaml")};
+  EXPECT_EQ(steps_done(run), "clean poses refine colorize");
+  EXPECT_EQ(steps_done(run), "");
+  scene.write("scans/0.pcd", scene.read("scans/0.pcd") + "\n");
+  EXPECT_EQ(steps_done(run), "clean refine colorize");
+  scene.replace("stamps.txt", "b.png 10.5", "b.png 10.25");
+  EXPECT_EQ(steps_done(run), "poses refine colorize");
+  scene.replace("project.yaml", "max_gap_s: 1.5", "max_gap_s: 1.25");
+  EXPECT_EQ(steps_done(run), "poses refine colorize");
+  scene.replace("project.yaml", "refine: {", "refine: {joint: false, ");
+  EXPECT_EQ(steps_done(run), "refine colorize");
+  const std::string done = "project.yaml.state/colorize.done";
+  scene.write(done, scene.read(done).replace(0, scene.read(done).find('\n'), "version: 0.0.0"));
+  EXPECT_EQ(steps_done(run), "colorize") << "another version of the program made it";
+  EXPECT_EQ(steps_done(run), "");
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <stdexcept>
 
@@ -22,8 +24,9 @@ std::string test_name() {
   return name;
 }
 
-[[noreturn]] void execute(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
-  std::vector<char*> argv{const_cast<char*>(CPPLUS_BINARY)};
+[[noreturn]] void execute(const std::string& program, const std::vector<std::string>& arguments, const std::string& out,
+                          const std::string& err) {
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   constexpr int kWrite = O_WRONLY | O_CREAT | O_TRUNC;
@@ -34,15 +37,18 @@ std::string test_name() {
   _exit(127);
 }
 
-}  // namespace
-
-ProcessResult run_cpplus(const std::vector<std::string>& arguments) {
+/// `while_running` gets the process's number.
+ProcessResult run(const std::string& program, const std::vector<std::string>& arguments,
+                  const std::function<void(pid_t)>& while_running) {
   const std::string stem = testing::TempDir() + "/cpplus_" + std::to_string(getpid());
   const std::string out = stem + ".out";
   const std::string err = stem + ".err";
+  write_file(out, "");  // there even where the process is killed before it opens them
+  write_file(err, "");
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("cannot fork");
-  if (child == 0) execute(arguments, out, err);
+  if (child == 0) execute(program, arguments, out, err);
+  while_running(child);
   int status = 0;
   waitpid(child, &status, 0);
   ProcessResult result;
@@ -52,6 +58,22 @@ ProcessResult run_cpplus(const std::vector<std::string>& arguments) {
   std::filesystem::remove(out);
   std::filesystem::remove(err);
   return result;
+}
+
+}  // namespace
+
+ProcessResult run_program(const std::string& program, const std::vector<std::string>& arguments) {
+  return run(program, arguments, [](pid_t) {});
+}
+
+ProcessResult run_cpplus(const std::vector<std::string>& arguments) { return run_program(CPPLUS_BINARY, arguments); }
+
+ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment) {
+  // A process that has ended keeps its number until it is waited for, so nothing else can be hit.
+  return run(CPPLUS_BINARY, arguments, [&moment](pid_t child) {
+    moment();
+    kill(child, SIGKILL);
+  });
 }
 
 std::vector<std::string> lines_of(const std::string& text) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,13 @@ struct ProcessResult {
   std::string err;
 };
 
-/// Runs the built program with these arguments, without a shell and without a terminal.
+/// Runs a program, given by its path, without a shell and without a terminal.
+ProcessResult run_program(const std::string& program, const std::vector<std::string>& arguments);
+
+/// Starts the built program and kills it (SIGKILL) when `moment` returns, unless it ended before.
+ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment);
+
+/// Runs the built program with these arguments.
 ProcessResult run_cpplus(const std::vector<std::string>& arguments);
 
 /// The lines of a text, without their ends.

@@ -6,8 +6,8 @@
 namespace cpplus {
 
 /// The smallest good input of every command, below one folder: a wall of 1200 points 3 m in front of two 64x48 images
-/// (a.png, b.png), a COLMAP text model, stamps, a trajectory, a rig, and the wall as two scans with poses. Tests spoil one
-/// thing of it at a time.
+/// (a.png, b.png), a COLMAP text model, stamps, a trajectory, a rig, and the wall as two scans with poses. Tests spoil
+/// one thing of it at a time.
 class TinyScene {
  public:
   explicit TinyScene(std::string directory);

@@ -19,6 +19,7 @@ void DynamicsOptions::validate() const {
   check_option(min_grazing_deg >= 0.0 && min_grazing_deg < 90.0, "min_grazing_deg", "[0, 90)", min_grazing_deg);
   check_option(plane_distance_m >= 0.0, "plane_distance_m", "[0, inf)", plane_distance_m);
   check_option(min_share >= 0.0 && min_share <= 100.0, "min_share", "[0, 100]", min_share);
+  check_option(region_share >= 0.0 && region_share <= 100.0, "region_share", "[0, 100]", region_share);
   check_option(fill_share > 0.0 && fill_share <= 1.0, "fill_share", "(0, 1]", fill_share);
   check_option(keep_share >= 0.0 && keep_share <= 1.0, "keep_share", "[0, 1]", keep_share);
   check_option(sure_scans >= 1, "sure_scans", "[1, inf)", sure_scans);
@@ -31,7 +32,7 @@ DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const Dy
                max_range_roots);
   const LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
   const std::vector<uint32_t> num_through = count_see_through(map, scans, surfaces, options);
-  const std::vector<uint8_t> leaf_labels = vote_on_leaves(map, surfaces.num_scans, num_through, options);
+  const std::vector<uint8_t> leaf_labels = vote_on_leaves(map, scans, surfaces, num_through, options);
 
   DynamicsResult result;
   for (const uint8_t label : leaf_labels) result.num_dynamic_leaves += label;

@@ -28,6 +28,9 @@ struct DynamicsOptions {
   /// A leaf is dynamic when at least one scan sees through it, and at least this share of the scans that hit it. [0,
   /// inf)
   double min_share = 0.25;
+  /// And at least this share of the scans that hit something off planes around it: what stands there, but has gaps, is
+  /// seen through by few of them. [0, inf)
+  double region_share = 0.25;
   /// A leaf that no scan sees through becomes dynamic where this share of the leaves around it is. (0, 1]
   double fill_share = 0.5;
   /// A dynamic leaf that fewer than sure_scans see through becomes static where less than this share around it is
@@ -53,6 +56,8 @@ struct DynamicsOptions {
             "A scan that hits a plane beside a leaf does not see through the leaf within this distance of it, metres.");
     visitor("min_share", min_share,
             "A leaf is dynamic when a scan sees through it, and at least this share of the scans that hit it.");
+    visitor("region_share", region_share,
+            "And at least this share of the scans that hit something off planes around it.");
     visitor("fill_share", fill_share,
             "A leaf that no scan sees through becomes dynamic where this share of the leaves around it is. (0, 1]");
     visitor(

@@ -72,7 +72,7 @@ TEST(SeeThrough, CountingStopsWhereItIsSufficient) {
   const Vector3d near(2.03, 0.03, 0.03);
   add_scan(&scans, {0.0, 0.03, 0.03}, {near});
   for (int i = 0; i < 9; ++i) add_scan(&scans, {0.0, 0.03, 0.03}, {{4.03, 0.03, 0.03}});
-  EXPECT_EQ(times_seen_through(scans, near), sufficient_scans(1, {}));
+  EXPECT_EQ(times_seen_through(scans, near), sufficient_scans(1, scans.num_scans(), {}));
 }
 
 TEST(SeeThrough, AScanDoesNotSeeThroughWhatItHits) {

@@ -138,7 +138,7 @@ std::vector<uint32_t> count_see_through(const VoxelMap& map, const ScanSet& scan
   const size_t num_leaves = surfaces.num_scans.size();
   std::vector<int32_t> missing(num_leaves);
   const auto sufficient = [&](size_t leaf) {
-    return static_cast<int32_t>(sufficient_scans(surfaces.num_scans[leaf], options));
+    return static_cast<int32_t>(sufficient_scans(surfaces.num_scans[leaf], scans.num_scans(), options));
   };
   for (size_t leaf = 0; leaf < num_leaves; ++leaf) missing[leaf] = sufficient(leaf);
   parallel_for_chunks(scans.num_scans(), kScansPerTask, [&](size_t begin, size_t end) {

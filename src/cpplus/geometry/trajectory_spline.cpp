@@ -3,7 +3,14 @@
 #include <algorithm>
 #include <cassert>
 
+#include "cpplus/geometry/end_rate.h"
+
 namespace cpplus {
+namespace {
+
+constexpr size_t kEndKnots = 8;  // at each end of a curve they give its derivative there
+
+}  // namespace
 
 TrajectorySpline::TrajectorySpline(const Trajectory& trajectory, double max_gap_s) : max_gap_s_(max_gap_s) {
   for (const StampedPose& pose : trajectory) {
@@ -25,8 +32,7 @@ TrajectorySpline::TrajectorySpline(const Trajectory& trajectory, double max_gap_
 }
 
 // Derivatives of the cubic spline through the knots [begin, end): the second derivative is continuous at inner knots,
-// the third at the second knot and the last but one (not-a-knot). Three knots make a parabola, two a line; one has
-// none.
+// the first at the ends is estimated from the knots nearby. Three knots make a parabola, two a line; one has none.
 void TrajectorySpline::solve_rates(size_t begin, size_t end) {
   const size_t n = end - begin;
   if (n < 2) return;
@@ -44,27 +50,20 @@ void TrajectorySpline::solve_rates(size_t begin, size_t end) {
     return;
   }
   // Tridiagonal system lower * d[i-1] + diagonal * d[i] + upper * d[i+1] = right; de Boor, A Practical Guide to
-  // Splines, ch. IV, whose not-a-knot rows stay tridiagonal.
+  // Splines, ch. IV.
   std::vector<double> lower(n);
   std::vector<double> diagonal(n);
   std::vector<double> upper(n);
   std::vector<Knot> right(n);
-  const auto end_row = [](double near, double far, const Knot& near_slope, const Knot& far_slope) -> Knot {
-    const double sum = near + far;
-    return ((near + 2.0 * sum) * far * near_slope + near * near * far_slope) / sum;
-  };
-  diagonal[0] = step(1);
-  upper[0] = step(0) + step(1);
-  right[0] = end_row(step(0), step(1), slope(0), slope(1));
+  diagonal[0] = diagonal[n - 1] = 1.0;
+  right[0] = end_rate(begin, std::min(n, kEndKnots), 1);
+  right[n - 1] = end_rate(end - 1, std::min(n, kEndKnots), -1);
   for (size_t i = 1; i + 1 < n; ++i) {
     lower[i] = step(i);
     diagonal[i] = 2.0 * (step(i - 1) + step(i));
     upper[i] = step(i - 1);
     right[i] = 3.0 * (step(i) * slope(i - 1) + step(i - 1) * slope(i));
   }
-  lower[n - 1] = step(n - 2) + step(n - 3);
-  diagonal[n - 1] = step(n - 3);
-  right[n - 1] = end_row(step(n - 2), step(n - 3), slope(n - 2), slope(n - 3));
   for (size_t i = 1; i < n; ++i) {
     const double factor = lower[i] / diagonal[i - 1];
     diagonal[i] -= factor * upper[i - 1];
@@ -74,6 +73,17 @@ void TrajectorySpline::solve_rates(size_t begin, size_t end) {
   for (size_t i = n - 1; i-- > 0;) {
     rates_[begin + i] = (right[i] - upper[i] * rates_[begin + i + 1]) / diagonal[i];
   }
+}
+
+TrajectorySpline::Knot TrajectorySpline::end_rate(size_t first, size_t count, int direction) const {
+  const auto knot_of = [&](size_t k) { return direction > 0 ? first + k : first - k; };
+  Eigen::VectorXd stamps_s(count);
+  for (size_t k = 0; k < count; ++k) stamps_s[static_cast<Eigen::Index>(k)] = stamps_s_[knot_of(k)];
+  const Eigen::VectorXd weights = end_rate_weights(stamps_s);
+  Knot rate = Knot::Zero();
+  for (size_t k = 0; k < count; ++k)
+    rate += weights[static_cast<Eigen::Index>(k)] * (knots_[knot_of(k)] - knots_[first]);
+  return rate;
 }
 
 Coverage TrajectorySpline::coverage(double stamp_s) const {

@@ -28,6 +28,13 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// Where what will be at `path` is written first: beside it, named after it and this process.
+std::string temporary_path(const std::string& path);
+
+/// Removes what processes that were killed have left of files and folders below and beside `path`: temporaries, whose
+/// names hold the number of a process that is no more. Those beside it only where they are of `path` itself.
+void remove_leftovers(const std::string& path);
+
 /// Writes one whole text file atomically.
 void write_text_file(const std::string& path, const std::string& text);
 

@@ -1,10 +1,10 @@
 #include "cpplus/pipeline/import_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <set>
@@ -24,6 +24,7 @@
 #include "cpplus/io/pose_file.h"
 #include "cpplus/io/rig_io.h"
 #include "cpplus/io/trajectory_io.h"
+#include "cpplus/pipeline/atomic_folder.h"
 #include "cpplus/pipeline/image_folder.h"
 
 namespace cpplus {
@@ -81,50 +82,38 @@ void apply_overrides(const ImportCommandOptions& options, ImportedProject* proje
   if (!options.rig.empty() && !rig_is_taken) project->rig = read_rig(options.rig, options.intrinsics);
 }
 
-/// A folder that is renamed to its place when it is whole, and removed otherwise.
-class AtomicFolder {
- public:
-  explicit AtomicFolder(const std::string& path) : target_(fs::absolute(path).lexically_normal()) {
-    if (!target_.has_filename()) target_ = target_.parent_path();
-    std::error_code failure;
-    if (fs::exists(target_) && (!fs::is_directory(target_) || !fs::is_empty(target_, failure))) {
-      throw Error(fmt::format("{}: is there already; an import makes a new folder", path));
-    }
-    temporary_ = target_.parent_path() / fmt::format(".{}.{}.partial", target_.filename().string(), getpid());
-    fs::remove_all(temporary_, failure);
-    fs::create_directories(temporary_, failure);
-    if (failure) throw Error(fmt::format("{}: cannot make the folder: {}", path, failure.message()));
-  }
-  ~AtomicFolder() {
-    std::error_code ignored;
-    if (!committed_) fs::remove_all(temporary_, ignored);
-  }
-  AtomicFolder(const AtomicFolder&) = delete;
-  AtomicFolder& operator=(const AtomicFolder&) = delete;
+constexpr const char* kProjectFile = "project.yaml";
+constexpr const char* kProjectMark = "# Made by `cpplus import";
 
-  const fs::path& temporary() const { return temporary_; }
-  const fs::path& target() const { return target_; }
+/// What an import may make in the project's folder.
+bool is_of_import(const std::string& name) {
+  const std::set<std::string> names = {"scans",    "images",       "stamps.txt", "trajectory.txt",
+                                       "rig.yaml", "cameras.yaml", "coarse",     kProjectFile};
+  return names.count(name) > 0 || (name.starts_with("map.") && !point_cloud_extension(name).empty());
+}
 
-  void commit() {
-    std::error_code failure;
-    fs::remove(target_, failure);  // an empty folder may stand there
-    fs::rename(temporary_, target_, failure);
-    if (failure) throw Error(fmt::format("{}: cannot write: {}", target_.string(), failure.message()));
-    committed_ = true;
-  }
+bool is_import(const std::string& folder) {
+  std::ifstream file(fs::path(folder) / kProjectFile);
+  std::string line;
+  return std::getline(file, line) && line.starts_with(kProjectMark);
+}
 
- private:
-  fs::path target_;
-  fs::path temporary_;
-  bool committed_ = false;
-};
+/// Whether the folder holds an earlier import, whose place this one takes. Throws Error for other things there.
+bool find_earlier_import(const ImportCommandOptions& options) {
+  if (!fs::exists(options.out)) return false;
+  if (fs::is_directory(options.out) && fs::is_empty(options.out)) return false;
+  if (options.replace && is_import(options.out)) return true;
+  throw Error(
+      fmt::format("{}: is there already; an import makes a new folder{}", options.out,
+                  is_import(options.out) ? ", or with option replace takes the place of the import there" : ""));
+}
 
 class ProjectWriter {
  public:
   ProjectWriter(const ImportCommandOptions& options, const ImportedProject& project, AtomicFolder* folder)
       : options_(options), project_(project), folder_(*folder) {}
 
-  void write() {
+  void write(bool replaces_earlier) {
     if (!project_.map.empty()) place(project_.map, map_name());
     write_images();
     write_scans();
@@ -132,8 +121,12 @@ class ProjectWriter {
     if (!project_.trajectory.empty()) write_tum(path("trajectory.txt"), project_.trajectory);
     if (project_.rig) write_rig(path(has_extrinsics(*project_.rig) ? "rig.yaml" : "cameras.yaml"), *project_.rig);
     if (project_.model) write_sparse_model_text(path("coarse"), *project_.model);
-    write_text_file(path("project.yaml"), project_yaml());
-    folder_.commit();
+    write_text_file(path(kProjectFile), project_yaml());
+    if (replaces_earlier) {
+      folder_.commit_into(is_of_import, kProjectFile);
+    } else {
+      folder_.commit();
+    }
   }
 
  private:
@@ -195,8 +188,8 @@ class ProjectWriter {
   }
 
   std::string project_yaml() const {
-    std::string text = fmt::format(
-        "# Made by `cpplus import {}`. Each command takes its section: cpplus refine --config FILE\n", options_.format);
+    std::string text = fmt::format("{} {}`. Each command takes its section: cpplus refine --config FILE\n",
+                                   kProjectMark, options_.format);
     const bool can_pose = project_.rig && has_extrinsics(*project_.rig) && !project_.trajectory.empty() &&
                           !project_.images.empty() && !project_.model;
     if (can_pose) {
@@ -256,11 +249,13 @@ ImportSummary import_command(const ImportCommandOptions& options) {
     throw UsageError(fmt::format("unknown format '{}': known are {}", options.format, fmt::join(known, ", ")));
   }
   if (!fs::exists(options.source)) throw Error(fmt::format("{}: no such file or folder", options.source));
+  const bool replaces_earlier = find_earlier_import(options);
+  remove_leftovers(options.out);
   AtomicFolder folder(options.out);
   ImportedProject project = importer->second(options, folder.temporary().string());
   apply_overrides(options, &project);
   check_names(project, options.source);
-  ProjectWriter(options, project, &folder).write();
+  ProjectWriter(options, project, &folder).write(replaces_earlier);
   for (const std::string& note : project.notes) log_warning(note);
   if (project.rig && !has_extrinsics(*project.rig)) {
     log_warning(fmt::format("{}: cameras.yaml has no extrinsics; with camera_from_lidar it is a rig", options.out));

@@ -11,6 +11,8 @@ struct ImportCommandOptions {
   std::string source;
   /// Folder of the project, which must not exist or be empty.
   std::string out;
+  /// It may also hold an earlier import, whose files go; what else is there stays.
+  bool replace = false;
   /// Copies images and clouds instead of linking to them.
   bool copy = false;
   /// Taken instead of, or besides, what the source holds; "" = nothing.
@@ -34,6 +36,7 @@ struct ImportCommandOptions {
             "colmap, nerfstudio, kitti, kitti-raw, fast-livo2, global-lvba, lio-sam, r3live or rosbag. Required.");
     visitor("source", source, "What to import: a folder, transforms.json or a bag. Required.");
     visitor("out", out, "Folder of the project, new or empty. Required.");
+    visitor("replace", replace, "Take the place of an earlier import in that folder.");
     visitor("copy", copy, "Copy images and clouds instead of linking to them.");
     visitor("map", map, "Point cloud to take as the map; empty = the source's.");
     visitor("images", images, "Folder of the images; empty = the source's.");
@@ -59,7 +62,8 @@ struct ImportSummary {
 
 /// Brings another program's output into one folder in our conventions (docs/import.md): map.*, scans/ with poses.txt,
 /// images/, stamps.txt, trajectory.txt, coarse/ and rig.yaml, each where the source has it, and project.yaml, the
-/// options for the commands that go on from there. The folder appears whole or not at all. Throws Error naming file and
+/// options for the commands that go on from there. A new folder appears whole or not at all; one that takes an
+/// earlier's place is whole once project.yaml is the new one. Throws Error naming file and
 /// value.
 ImportSummary import_command(const ImportCommandOptions& options);
 

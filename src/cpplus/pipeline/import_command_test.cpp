@@ -162,6 +162,26 @@ TEST_F(ImportCommand, NothingIsLeftOfAFailure) {
   EXPECT_EQ(num_files(), 1u) << "only the source";
 }
 
+TEST_F(ImportCommand, ReplacesAnEarlierImportAndNothingElse) {
+  write_kitti();
+  write_cloud("lidar.pcd");
+  ImportCommandOptions import = options("kitti", "07");
+  import.map = path("lidar.pcd");
+  import_command(import);
+  write("project/refined/report.json", "of a later step");
+  EXPECT_ERROR(import_command(import), "is there already; an import makes a new folder, or with option replace");
+  import.map.clear();
+  import.replace = true;
+  fs::remove(path("07/poses.txt"));
+  write("07/poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 2.5\n");
+  import_command(import);
+  EXPECT_FALSE(fs::exists(path("project/map.pcd"))) << "of the earlier import alone";
+  EXPECT_EQ(read("project/refined/report.json"), "of a later step");
+  EXPECT_NEAR(read_tum(path("project/scans/poses.txt"))[1].map_from_sensor.translation.x(), 2.5, 1e-9);
+  write("project/project.yaml", "# by hand");
+  EXPECT_ERROR(import_command(import), "project: is there already; an import makes a new folder");
+}
+
 TEST_F(ImportCommand, BadInput) {
   write_kitti();
   EXPECT_THROW(import_command(options("rtabmap", "07")), UsageError);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -25,13 +26,22 @@ const std::string* text_of(const OptionField& field) {
   return text ? *text : nullptr;
 }
 
-/// The text of the field "out"; "" where the step has none.
-std::string output_of(const RunStep& step) {
+/// Options that are paths of what a command writes.
+bool is_output(const OptionField& field) {
+  const std::string name = last_part(field.path);
+  return text_of(field) && (name == "out" || name == "labels" || name == "debug_images");
+}
+
+/// The texts of the output options that are given, "out" among them or nothing at all.
+std::vector<std::string> outputs_of(const RunStep& step) {
+  std::vector<std::string> outputs;
+  bool has_out = false;
   for (const OptionField& field : step.fields) {
-    const std::string* text = text_of(field);
-    if (text && last_part(field.path) == "out") return *text;
+    if (!is_output(field) || text_of(field)->empty()) continue;
+    outputs.push_back(*text_of(field));
+    has_out = has_out || last_part(field.path) == "out";
   }
-  return "";
+  return has_out ? outputs : std::vector<std::string>{};
 }
 
 std::string describe_file(const fs::path& path) {
@@ -63,13 +73,20 @@ std::string causes_of(const RunStep& step) {
   for (const OptionField& field : step.fields) {
     options += fmt::format("{}: {}\n", field.path, option_text(field));
     const std::string* text = text_of(field);
-    if (text && !text->empty() && last_part(field.path) != "out" && fs::exists(*text))
-      inputs += "input " + describe(*text);
+    if (text && !text->empty() && !is_output(field) && fs::exists(*text)) inputs += "input " + describe(*text);
   }
   return options + inputs;
 }
 
-std::string result_of(const RunStep& step) { return "output " + describe(output_of(step)); }
+/// The outputs, a line a file as describe() gives it.
+std::vector<std::string> result_of(const RunStep& step) {
+  std::vector<std::string> lines;
+  for (const std::string& output : outputs_of(step)) {
+    std::istringstream text(describe(output));
+    for (std::string line; std::getline(text, line);) lines.push_back("output " + line);
+  }
+  return lines;
+}
 
 std::string read_text(const fs::path& path) {
   std::ostringstream text;
@@ -77,25 +94,47 @@ std::string read_text(const fs::path& path) {
   return text.str();
 }
 
+/// Whether the step was done with these causes and all that it made is still there. Files that came later, such as
+/// what a later step writes into the same folder, do not matter.
+bool is_done(const RunStep& step, const fs::path& done, const std::string& causes) {
+  if (!fs::exists(done)) return false;
+  const std::string text = read_text(done);
+  if (!text.starts_with(causes)) return false;
+  const std::vector<std::string> now = result_of(step);
+  const std::set<std::string> there(now.begin(), now.end());
+  std::istringstream made(text.substr(causes.size()));
+  for (std::string line; std::getline(made, line);) {
+    const std::string name = line.substr(0, line.rfind(": ") + 2);
+    const auto same = step.output_may_be_edited ? there.lower_bound(name) : there.find(line);
+    if (same == there.end() || !same->starts_with(name) || same->ends_with(": none")) return false;
+  }
+  return true;
+}
+
+void make_anew(const RunStep& step, const fs::path& done, const std::string& causes) {
+  std::error_code failure;
+  fs::remove(done, failure);
+  if (failure) throw Error(fmt::format("{}: cannot be removed: {}", done.string(), failure.message()));
+  for (const std::string& output : outputs_of(step)) remove_leftovers(output);
+  step.run();
+  write_text_file(done.string(), fmt::format("{}{}\n", causes, fmt::join(result_of(step), "\n")));
+}
+
 }  // namespace
 
 std::vector<StepOutcome> run_steps(const std::vector<RunStep>& steps, const std::string& state_folder) {
   std::vector<StepOutcome> outcomes;
   for (const RunStep& step : steps) {
-    if (output_of(step).empty()) continue;
+    if (outputs_of(step).empty()) continue;
     const fs::path done = fs::path(state_folder) / (step.name + ".done");
     StepOutcome outcome;
     outcome.name = step.name;
     const std::string causes = causes_of(step);  // before the run, so that a change during it is not overlooked
-    outcome.was_skipped = fs::exists(done) && read_text(done) == causes + result_of(step);
+    outcome.was_skipped = is_done(step, done, causes);
     if (!outcome.was_skipped) {
-      std::error_code failure;
-      fs::remove(done, failure);
-      if (failure) throw Error(fmt::format("{}: cannot be removed: {}", done.string(), failure.message()));
       const Stopwatch watch;
-      step.run();
+      make_anew(step, done, causes);
       outcome.seconds = watch.milliseconds() / 1000.0;
-      write_text_file(done.string(), causes + result_of(step));
     }
     outcomes.push_back(outcome);
   }

@@ -11,10 +11,12 @@ namespace cpplus {
 /// A command as a step of a longer run.
 struct RunStep {
   std::string name;
-  /// Its options. A text that is the path of a file or folder counts as an input, that of the field "out" as the
-  /// output.
+  /// Its options. A text that is the path of a file or folder counts as an input, but for the outputs: those of the
+  /// fields "out", "labels" and "debug_images".
   std::vector<OptionField> fields;
   std::function<void()> run;
+  /// What it made may be changed by hand afterwards; else it is made anew then.
+  bool output_may_be_edited = false;
 };
 
 struct StepOutcome {
@@ -23,9 +25,9 @@ struct StepOutcome {
   double seconds = 0.0;
 };
 
-/// Runs the steps that have an output, in their order, but skips one whose options, inputs, output and program version
+/// Runs the steps whose "out" is given, in their order, but skips one whose options, inputs, output and program version
 /// are as they were when it was last done. Files are compared by size and time of change, folders by those of all their
-/// files.
+/// files; in the output only those files count that the step made.
 ///
 /// What a step was done with stands in STATE/NAME.done, written once its output is there and removed before it is made
 /// anew: a run that is killed at any moment goes on with the step that it was in. Throws what a step throws.

@@ -1,5 +1,9 @@
 #include "cpplus/pipeline/run_steps.h"
 
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include "cpplus/io/test_files.h"
 
 namespace cpplus {
@@ -31,8 +35,13 @@ class RunSteps : public FileTest {
              {{"join.in", "", &join_in_},
               {"join.folder", "", &join_folder_},
               {"join.times", "", &times_},
+              {"join.labels", "", &join_labels_},
               {"join.out", "", &join_out_}},
-             [this] { write("joined.txt", read("copy.txt") + read("folder/sub/b.txt")); }},
+             [this] {
+               write("joined.txt", read("copy.txt") + read("folder/sub/b.txt"));
+               if (!join_labels_.empty()) write("labels/b.label", "b");
+             },
+             join_may_be_edited_},
             {"unused", {{"unused.out", "", &unused_out_}}, [] { FAIL() << "has no output, so it is not run"; }}};
   }
 
@@ -45,9 +54,10 @@ class RunSteps : public FileTest {
     return ran;
   }
 
-  std::string copy_in_, copy_out_, join_in_, join_folder_, join_out_, unused_out_;
+  std::string copy_in_, copy_out_, join_in_, join_folder_, join_out_, join_labels_, unused_out_;
   int times_ = 1;
   bool fails_ = false;
+  bool join_may_be_edited_ = false;
 };
 
 TEST_F(RunSteps, UnchangedStepsAreSkipped) {
@@ -81,6 +91,50 @@ TEST_F(RunSteps, AMissingOrChangedOutputIsMadeAgain) {
   write("joined.txt", "edited by hand");
   EXPECT_EQ(run(), "join");
   EXPECT_EQ(read("joined.txt"), "ab");
+}
+
+TEST_F(RunSteps, OutputsBesidesTheMainOneAreNoInputs) {
+  join_labels_ = path("labels");
+  EXPECT_EQ(run(), "copy join");
+  EXPECT_EQ(run(), "");
+  write("labels/other.txt", "not of the step");
+  EXPECT_EQ(run(), "");
+  fs::remove(path("labels/b.label"));
+  EXPECT_EQ(run(), "join");
+}
+
+TEST_F(RunSteps, WhatMayBeEditedIsMadeAgainOnlyWhereItIsGone) {
+  join_may_be_edited_ = true;
+  run();
+  write("joined.txt", "edited by hand");
+  EXPECT_EQ(run(), "");
+  fs::remove(path("joined.txt"));
+  EXPECT_EQ(run(), "join");
+}
+
+TEST_F(RunSteps, AnotherVersionRunsAllSteps) {
+  run();
+  for (const char* name : {"state/copy.done", "state/join.done"}) {
+    const std::string text = read(name);
+    ASSERT_TRUE(text.starts_with("version: "));
+    write(name, "version: 0.0.0" + text.substr(text.find('\n')));
+  }
+  EXPECT_EQ(run(), "copy join");
+}
+
+TEST_F(RunSteps, WhatAKilledRunLeftIsRemoved) {
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  const std::string dead = fmt::format(".joined.txt.{}.partial", child);
+  const std::string alive = fmt::format(".joined.txt.{}.partial", getppid());
+  write(dead, "half");
+  write(alive, "half");
+  write(fmt::format(".other.txt.{}.partial", child), "of another program's file");
+  run();
+  EXPECT_FALSE(fs::exists(path(dead)));
+  EXPECT_TRUE(fs::exists(path(alive)));
+  EXPECT_TRUE(fs::exists(path(fmt::format(".other.txt.{}.partial", child))));
 }
 
 TEST_F(RunSteps, AStepThatFailedIsTriedAgain) {

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "cpplus/geometry/rigid3.h"
+
+namespace cpplus {
+
+/// A file of the world that the test e2e/simulate made.
+std::string world_path(const std::string& name);
+
+/// The world's true extrinsic.
+Rigid3 world_lidar_from_camera();
+
+/// Writes a rig with the world's camera at this place; returns `file`.
+std::string write_world_rig(const std::string& file, const Rigid3& camera_from_lidar);
+
+}  // namespace cpplus
