@@ -6,8 +6,8 @@
 namespace cpplus {
 
 /// The smallest good input of every command, below one folder: a wall of 1200 points 3 m in front of two 64x48 images
-/// (a.png, b.png), a COLMAP text model, stamps, a trajectory, a rig, and the wall as two scans with poses. Tests spoil one
-/// thing of it at a time.
+/// (a.png, b.png), a COLMAP text model, stamps, a trajectory, a rig, and the wall as two scans with poses. Tests spoil
+/// one thing of it at a time.
 class TinyScene {
  public:
   explicit TinyScene(std::string directory);
@@ -29,6 +29,8 @@ class TinyScene {
   std::vector<std::string> refine(const std::vector<std::string>& more = {}) const;
   std::vector<std::string> clean(const std::vector<std::string>& more = {}) const;
   std::vector<std::string> poses(const std::vector<std::string>& more = {}) const;
+  /// `export` to DIR/out with everything that a format may need but stamps.
+  std::vector<std::string> exports(const std::string& format, const std::vector<std::string>& more = {}) const;
   /// `colorize` with another value for one flag.
   std::vector<std::string> colorize_with(const std::string& flag, const std::string& value) const;
 
