@@ -279,7 +279,7 @@ TEST(Export, GaussianSplattingFolderIsUndistortedAndCentred) {
   const PosedImage& image = model.images.front();
   const ColorImage undistorted = read_color_image(out + "/images/" + image.name);
   const ColorImage recorded = read_color_image(world("images/" + image.name));
-  const Camera& recorded_camera = input_model().cameras.begin()->second;
+  const Camera recorded_camera = input_model().cameras.begin()->second;
   std::vector<double> differences;
   for (const SparsePoint& point : model.points) {
     for (const SparsePoint::Observation& observation : point.track) {
