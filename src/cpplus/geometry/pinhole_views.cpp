@@ -124,9 +124,12 @@ std::vector<PinholeView> cube_faces(const Camera& camera) {
   };
   const Eigen::Vector3d down = Eigen::Vector3d::UnitY();  // of the camera frame, as right is its x axis
   const Eigen::Vector3d right = Eigen::Vector3d::UnitX();
-  return {{face, Eigen::Quaterniond::Identity(), "_front"}, {face, turned(-90, down), "_right"},
-          {face, turned(180, down), "_back"},               {face, turned(90, down), "_left"},
-          {face, turned(-90, right), "_up"},                {face, turned(90, right), "_down"}};
+  return {{face, Eigen::Quaterniond::Identity(), "_front"},
+          {face, turned(-90, down), "_right"},
+          {face, turned(180, down), "_back"},
+          {face, turned(90, down), "_left"},
+          {face, turned(-90, right), "_up"},
+          {face, turned(90, right), "_down"}};
 }
 
 }  // namespace
@@ -143,9 +146,9 @@ std::vector<PinholeView> pinhole_views(const Camera& camera, const PinholeViewOp
     const Eigen::Vector2d center = principal_point_of(camera);
     const Focals focals = focals_of(camera);
     if (!options.centered || (center - middle).norm() < 1e-9) {
-      return {{Camera(CameraModel::kPinhole, camera.width(), camera.height(),
-                      {focals.x, focals.y, center.x(), center.y()}),
-               Eigen::Quaterniond::Identity(), ""}};
+      return {
+          {Camera(CameraModel::kPinhole, camera.width(), camera.height(), {focals.x, focals.y, center.x(), center.y()}),
+           Eigen::Quaterniond::Identity(), ""}};
     }
   }
   return {undistorted_view(camera, options)};

@@ -1,9 +1,12 @@
 #include "cpplus/pipeline/map_tracks.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/visibility/point_spacing.h"
 
 namespace cpplus {
 namespace {
@@ -11,6 +14,8 @@ namespace {
 constexpr size_t kGrain = 2048;
 constexpr double kNormalVoxelM = 0.25;
 constexpr int kMaxColorSamples = 8;
+/// Of the points that a closed surface through the middle of 3 x 3 x 3 leaves would have in them.
+constexpr double kMinSurfaceShare = 0.2;
 constexpr double kMaxColorDeviation = 30.0;  // grey levels, as in colorize
 
 /// The finest layer whose voxels are at least voxel_m large. (The allowance makes 0.25 m mean the layer of 0.25 m.)
@@ -36,16 +41,34 @@ uint32_t point_nearest_to_mean(const VoxelMap& map, uint32_t begin, uint32_t end
   return nearest;
 }
 
+/// Whether the leaf and its neighbours hold enough points for the surface they would be a part of: what lidars see in
+/// the air beside an outline (mixed pixels), and single points, do not.
+bool is_on_surface(const VoxelMap& map, const std::vector<float>& leaf_spacing_m, uint32_t leaf,
+                   std::vector<uint32_t>* neighbors) {
+  const double spacing_m = leaf_spacing_m[leaf];
+  if (!std::isfinite(spacing_m)) return false;
+  map.neighbors(map.leaf_layer(), leaf, false, neighbors);
+  size_t count = map.num_points(map.leaf_layer(), leaf);
+  for (const uint32_t neighbor : *neighbors) count += map.num_points(map.leaf_layer(), neighbor);
+  const double across = 3.0 * map.options().leaf_size_m / spacing_m;
+  return static_cast<double>(count) >= kMinSurfaceShare * across * across;
+}
+
 std::vector<uint32_t> sample_points(const VoxelMap& map, double voxel_m) {
   if (map.num_points() == 0) return {};
   const int layer = layer_of(map, voxel_m);
+  const std::vector<float> leaf_spacing_m = leaf_point_spacing(map);
   std::vector<uint32_t> points(map.num_nodes(layer));
   parallel_for_chunks(points.size(), kGrain, [&](size_t begin, size_t end) {
+    std::vector<uint32_t> neighbors;
     for (size_t node = begin; node < end; ++node) {
       const uint32_t id = static_cast<uint32_t>(node);
       points[node] = point_nearest_to_mean(map, map.points_begin(layer, id), map.points_end(layer, id));
+      const auto leaf = map.find_leaf(map.point(points[node]));
+      if (!leaf || !is_on_surface(map, leaf_spacing_m, *leaf, &neighbors)) points[node] = no_voxel;
     }
   });
+  std::erase(points, no_voxel);
   return points;
 }
 

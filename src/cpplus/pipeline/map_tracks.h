@@ -31,7 +31,7 @@ struct MapTrackOptions {
 };
 
 /// Samples points of a map with their tracks: which image sees which point at which pixel. Of each voxel it takes the
-/// point nearest to the mean of its points. Seen is what gives colour in `colorize` (see ViewSampler), so neither what
+/// point nearest to the mean of its points, without what floats beside surfaces. Seen is what gives colour in `colorize` (see ViewSampler), so neither what
 /// the map hides nor background beside a foreground. Images come one after the other; kept of each are 4 bytes an
 /// observation.
 class MapTracks {
