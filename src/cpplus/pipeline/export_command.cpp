@@ -60,8 +60,9 @@ std::map<uint32_t, CameraTrajectory> trajectories_of(const ExportCommandOptions&
       images.emplace_back(options.stamps.empty() ? 0.0 : stamp->second, &image);
   }
   if (images.empty()) {
-    throw Error(options.stamps.empty() ? fmt::format("{}: holds no images", options.poses)
-                                       : fmt::format("{}: has no stamp of an image of {}", options.stamps, options.poses));
+    throw Error(options.stamps.empty()
+                    ? fmt::format("{}: holds no images", options.poses)
+                    : fmt::format("{}: has no stamp of an image of {}", options.stamps, options.poses));
   }
   std::stable_sort(images.begin(), images.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::map<uint32_t, CameraTrajectory> trajectories;

@@ -194,8 +194,8 @@ ExportSummary export_surface_maps(const ExportCommandOptions& options, const Spa
                                   const fs::path& folder) {
   for (const auto& [id, camera] : model.cameras) {
     if (camera.model() == CameraModel::kEquirectangular && options.format == "depth" && options.depth_kind == "z") {
-      throw Error(fmt::format("{}: camera {} is EQUIRECTANGULAR, which has no z; take --depth-kind range",
-                              options.poses, id));
+      throw Error(
+          fmt::format("{}: camera {} is EQUIRECTANGULAR, which has no z; take --depth-kind range", options.poses, id));
     }
   }
   std::vector<size_t> all(model.images.size());
@@ -210,8 +210,7 @@ ExportSummary export_surface_maps(const ExportCommandOptions& options, const Spa
     const std::string path = (folder / map_name(view.image.name, options.exr ? ".exr" : ".png")).string();
     if (fs::exists(path)) throw Error(fmt::format("two images would be called '{}' in the export", path));
     if (options.format == "depth") {
-      const Image<float> depth =
-          depth_of(surface, renderer.bearings(view.image.camera_id, camera), options.depth_kind);
+      const Image<float> depth = depth_of(surface, renderer.bearings(view.image.camera_id, camera), options.depth_kind);
       options.exr ? write_exr(path, depth) : write_png16(path, depth_in_mm(depth));
     } else {
       options.exr ? write_exr(path, surface.normals) : write_png16(path, normals_in_16_bits(surface.normals));

@@ -85,8 +85,8 @@ ExportViews undistorted_views(const SparseModel& model, const std::vector<size_t
       view.view_from_camera = pinhole.view_from_camera;
       const bool had_no_distortion =
           camera.model() == CameraModel::kPinhole || camera.model() == CameraModel::kSimplePinhole;
-      view.is_resampled = !had_no_distortion || camera.width() != pinhole.camera.width() ||
-                          camera.height() != pinhole.camera.height();
+      view.is_resampled =
+          !had_no_distortion || camera.width() != pinhole.camera.width() || camera.height() != pinhole.camera.height();
       view.image = image;
       if (!one_each) view.image.id = static_cast<uint32_t>(views.views.size());
       if (view.is_resampled) view.image.name = view_name(image.name, pinhole.suffix);

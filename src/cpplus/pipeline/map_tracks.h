@@ -31,9 +31,9 @@ struct MapTrackOptions {
 };
 
 /// Samples points of a map with their tracks: which image sees which point at which pixel. Of each voxel it takes the
-/// point nearest to the mean of its points, without what floats beside surfaces. Seen is what gives colour in `colorize` (see ViewSampler), so neither what
-/// the map hides nor background beside a foreground. Images come one after the other; kept of each are 4 bytes an
-/// observation.
+/// point nearest to the mean of its points, without what floats beside surfaces. Seen is what gives colour in
+/// `colorize` (see ViewSampler), so neither what the map hides nor background beside a foreground. Images come one
+/// after the other; kept of each are 4 bytes an observation.
 class MapTracks {
  public:
   /// The map must outlive it.
@@ -62,8 +62,8 @@ class MapTracks {
   const VoxelMap& map_;
   MapTrackOptions options_;
   ViewSamplingOptions sampling_;
-  std::vector<uint32_t> points_;           // candidates, in map order
-  std::vector<Eigen::Vector3f> normals_;   // of the candidates; zero where not known
+  std::vector<uint32_t> points_;          // candidates, in map order
+  std::vector<Eigen::Vector3f> normals_;  // of the candidates; zero where not known
   ColorSamples samples_;
   std::vector<View> views_;
 };

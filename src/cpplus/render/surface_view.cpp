@@ -18,9 +18,9 @@ constexpr float kMinFragments = 2;
 
 /// A point in the camera frame with the pixels that its disc may cover.
 struct Disc {
-  Eigen::Vector3f center;  // metres
-  Eigen::Vector3f normal;  // unit or zero
-  float radius = 0.0f;     // metres
+  Eigen::Vector3f center;       // metres
+  Eigen::Vector3f normal;       // unit or zero
+  float radius = 0.0f;          // metres
   int first_x = 0, last_x = 0;  // columns; beyond the image where it wraps
   int first_y = 0, last_y = 0;
 };
@@ -72,8 +72,7 @@ class DiscProjector {
     if (!camera_.project(disc.center.cast<double>(), &pixel, &d_pixel_d_point)) return {};
     // A sphere around the point, to first order; never much more than the whole image.
     const Eigen::Array2d size(camera_.width(), camera_.height());
-    const Eigen::Array2d half =
-        (disc.radius * d_pixel_d_point.rowwise().norm().array()).max(0.5).min(0.5 * size - 0.5);
+    const Eigen::Array2d half = (disc.radius * d_pixel_d_point.rowwise().norm().array()).max(0.5).min(0.5 * size - 0.5);
     const Eigen::Array2d first = (pixel.array() - half).ceil();
     const Eigen::Array2d last = (pixel.array() + half).floor();
     if (last.y() < 0 || first.y() > size.y() - 1) return {};
