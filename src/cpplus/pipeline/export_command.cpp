@@ -10,10 +10,10 @@
 #include "cpplus/core/log.h"
 #include "cpplus/core/options.h"
 #include "cpplus/io/atomic_file.h"
-#include "cpplus/io/atomic_folder.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
+#include "cpplus/pipeline/export_folder.h"
 #include "cpplus/pipeline/export_scene.h"
 
 namespace cpplus {
@@ -140,7 +140,7 @@ void ExportCommandOptions::validate() const {
 ExportSummary run_export(const ExportCommandOptions& options) {
   options.validate();
   const SparseModel model = read_sparse_model(options.poses);
-  AtomicFolder folder(options.out, "an export");
+  ExportFolder folder(options.out);
   const fs::path& target = folder.temporary();
   const Eigen::Vector3d origin = options.local_origin ? origin_near(model) : Eigen::Vector3d(0, 0, 0);
   const std::string& format = options.format;

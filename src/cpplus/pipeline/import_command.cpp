@@ -1,6 +1,7 @@
 #include "cpplus/pipeline/import_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,7 +16,6 @@
 #include "cpplus/core/options.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/io/atomic_file.h"
-#include "cpplus/io/atomic_folder.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_stamps.h"
 #include "cpplus/io/imported_project.h"
@@ -80,6 +80,44 @@ void apply_overrides(const ImportCommandOptions& options, ImportedProject* proje
   const bool rig_is_taken = project->rig && has_extrinsics(*project->rig);
   if (!options.rig.empty() && !rig_is_taken) project->rig = read_rig(options.rig, options.intrinsics);
 }
+
+/// A folder that is renamed to its place when it is whole, and removed otherwise.
+class AtomicFolder {
+ public:
+  explicit AtomicFolder(const std::string& path) : target_(fs::absolute(path).lexically_normal()) {
+    if (!target_.has_filename()) target_ = target_.parent_path();
+    std::error_code failure;
+    if (fs::exists(target_) && (!fs::is_directory(target_) || !fs::is_empty(target_, failure))) {
+      throw Error(fmt::format("{}: is there already; an import makes a new folder", path));
+    }
+    temporary_ = target_.parent_path() / fmt::format(".{}.{}.partial", target_.filename().string(), getpid());
+    fs::remove_all(temporary_, failure);
+    fs::create_directories(temporary_, failure);
+    if (failure) throw Error(fmt::format("{}: cannot make the folder: {}", path, failure.message()));
+  }
+  ~AtomicFolder() {
+    std::error_code ignored;
+    if (!committed_) fs::remove_all(temporary_, ignored);
+  }
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
+
+  const fs::path& temporary() const { return temporary_; }
+  const fs::path& target() const { return target_; }
+
+  void commit() {
+    std::error_code failure;
+    fs::remove(target_, failure);  // an empty folder may stand there
+    fs::rename(temporary_, target_, failure);
+    if (failure) throw Error(fmt::format("{}: cannot write: {}", target_.string(), failure.message()));
+    committed_ = true;
+  }
+
+ private:
+  fs::path target_;
+  fs::path temporary_;
+  bool committed_ = false;
+};
 
 class ProjectWriter {
  public:
@@ -218,7 +256,7 @@ ImportSummary import_command(const ImportCommandOptions& options) {
     throw UsageError(fmt::format("unknown format '{}': known are {}", options.format, fmt::join(known, ", ")));
   }
   if (!fs::exists(options.source)) throw Error(fmt::format("{}: no such file or folder", options.source));
-  AtomicFolder folder(options.out, "an import");
+  AtomicFolder folder(options.out);
   ImportedProject project = importer->second(options, folder.temporary().string());
   apply_overrides(options, &project);
   check_names(project, options.source);

@@ -7,14 +7,14 @@ namespace cpplus {
 
 /// A new folder that appears whole or not at all: files go into temporary(), and commit() renames it to its place.
 /// Without commit() it is removed.
-class AtomicFolder {
+class ExportFolder {
  public:
-  /// `maker` is for the message ("an import"). Throws Error where the path is a file or a folder that is not empty, and
-  /// where the temporary beside it cannot be made.
-  AtomicFolder(const std::string& path, const std::string& maker);
-  ~AtomicFolder();
-  AtomicFolder(const AtomicFolder&) = delete;
-  AtomicFolder& operator=(const AtomicFolder&) = delete;
+  /// Throws Error where the path is a file or a folder that is not empty, and where the
+  /// temporary beside it cannot be made.
+  explicit ExportFolder(const std::string& path);
+  ~ExportFolder();
+  ExportFolder(const ExportFolder&) = delete;
+  ExportFolder& operator=(const ExportFolder&) = delete;
 
   const std::filesystem::path& temporary() const { return temporary_; }
   /// The absolute path that the folder will have.

@@ -1,4 +1,4 @@
-#include "cpplus/io/atomic_folder.h"
+#include "cpplus/pipeline/export_folder.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -10,12 +10,11 @@
 namespace cpplus {
 namespace fs = std::filesystem;
 
-AtomicFolder::AtomicFolder(const std::string& path, const std::string& maker)
-    : target_(fs::absolute(path).lexically_normal()) {
+ExportFolder::ExportFolder(const std::string& path) : target_(fs::absolute(path).lexically_normal()) {
   if (!target_.has_filename()) target_ = target_.parent_path();
   std::error_code failure;
   if (fs::exists(target_) && (!fs::is_directory(target_) || !fs::is_empty(target_, failure))) {
-    throw Error(fmt::format("{}: is there already; {} makes a new folder", path, maker));
+    throw Error(fmt::format("{}: is there already; an export makes a new folder", path));
   }
   temporary_ = target_.parent_path() / fmt::format(".{}.{}.partial", target_.filename().string(), getpid());
   fs::remove_all(temporary_, failure);
@@ -23,12 +22,12 @@ AtomicFolder::AtomicFolder(const std::string& path, const std::string& maker)
   if (failure) throw Error(fmt::format("{}: cannot make the folder: {}", path, failure.message()));
 }
 
-AtomicFolder::~AtomicFolder() {
+ExportFolder::~ExportFolder() {
   std::error_code ignored;
   if (!committed_) fs::remove_all(temporary_, ignored);
 }
 
-void AtomicFolder::commit() {
+void ExportFolder::commit() {
   std::error_code failure;
   fs::remove(target_, failure);  // an empty folder may stand there
   fs::rename(temporary_, target_, failure);
