@@ -8,6 +8,7 @@ namespace cpplus {
 void add_clean_command(CommandLine* command_line);
 void add_colorize_command(CommandLine* command_line);
 void add_evaluate_command(CommandLine* command_line);
+void add_export_command(CommandLine* command_line);
 void add_import_command(CommandLine* command_line);
 void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
     cpplus::add_clean_command(&command_line);
     cpplus::add_colorize_command(&command_line);
     cpplus::add_evaluate_command(&command_line);
+    cpplus::add_export_command(&command_line);
     cpplus::add_import_command(&command_line);
     cpplus::add_poses_command(&command_line);
     cpplus::add_refine_command(&command_line);

@@ -21,12 +21,16 @@ function(cpplus_module name)
 
   add_library(cpplus_${name} STATIC ${sources})
   set_target_properties(cpplus_${name} PROPERTIES LINKER_LANGUAGE CXX)
-  target_include_directories(cpplus_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
+  target_include_directories(cpplus_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>
+                                                   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(cpplus_${name} PUBLIC cxx_std_20)
   target_link_libraries(cpplus_${name} PUBLIC Eigen3::Eigen PRIVATE cpplus_build_flags)
   foreach(dependency ${arg_DEPENDS})
     target_link_libraries(cpplus_${name} PUBLIC cpplus_${dependency})
   endforeach()
   target_link_libraries(cpplus_${name} PRIVATE ${arg_LIBRARIES})
+  set_target_properties(cpplus_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS cpplus_${name} EXPORT cpplusTargets)
 
   if(CPPLUS_BUILD_TESTS AND tests)
     add_executable(cpplus_${name}_test ${tests})

@@ -7,7 +7,7 @@ import re
 import sys
 from pathlib import Path
 
-STAGES = {"dynamics", "visibility", "features", "refine", "colorize", "evaluate", "simulate"}
+STAGES = {"dynamics", "visibility", "features", "refine", "render", "colorize", "evaluate", "simulate"}
 
 # Project folders that a folder may include besides itself.
 BASE = {"core", "geometry", "cloud"}
@@ -30,7 +30,7 @@ THIRD_PARTY = {
     "TBB": (r"(oneapi/)?tbb/", {"core"}),
     "Ceres": (r"ceres/", {"refine"}),
     "Qhull": (r"(libqhull|qhull)", {"visibility"}),
-    "OpenCV": (r"opencv2/", {"io", "features", "colorize", "simulate", "report", "pipeline", "tests", "bench"}),
+    "OpenCV": (r"opencv2/", {"io", "features", "render", "colorize", "simulate", "report", "pipeline", "tests", "bench"}),
     "Embree": (r"embree", {"simulate"}),
     "JPEG": (r"(jpeglib|jerror)\.h", {"io"}),
     "zlib": (r"zlib\.h", {"io"}),

@@ -453,6 +453,52 @@ Cases clean_cases() {
   };
 }
 
+/// A case that changes the value of one flag of `export`; DIR/ stands for the scene.
+BadInputCase export_flag(const std::string& format, const std::string& flag, const std::string& value) {
+  return [=](const TinyScene& scene) {
+    return with_flag(scene.exports(format), flag, value.starts_with("DIR/") ? scene.path(value.substr(4)) : value);
+  };
+}
+
+/// A case that writes one file and then exports with the stamps.
+BadInputCase export_after_writing(const std::string& format, const std::string& file, const std::string& text) {
+  return [=](const TinyScene& scene) {
+    scene.write(file, text);
+    return scene.exports(format, {"--stamps", scene.path("stamps.txt")});
+  };
+}
+
+Cases export_cases() {
+  const std::string poses = " 1 0 0 0 0 0 0 1 ";
+  return {
+      {"unknown format of an export", export_flag("ply", "--out", "DIR/out")},
+      {"export of a map without the map", export_flag("colmap-bin", "--map", "")},
+      {"export of images without their folder", export_flag("3dgs", "--images", "")},
+      {"export of a TUM trajectory without stamps", export_flag("tum", "--out", "DIR/out")},
+      {"export into a folder that holds files", export_flag("colmap-bin", "--out", "DIR/images")},
+      {"export below a file", export_flag("colmap-bin", "--out", "DIR/map.pcd/out")},
+      {"depth of unknown kind", export_flag("depth", "--depth-kind", "disparity")},
+      {"option of export out of range", export_flag("colmap-bin", "--max-points", "0")},
+      {"export of a map that the images do not see",
+       export_after_writing("colmap-bin", "map.pcd", pcd("x y z", {"0 0 -3", "1 0 -3", "0 1 -3"}))},
+      {"stamps of other images in an export", export_after_writing("tum", "stamps.txt", "c.png 10\n")},
+      {"images of one camera with the same stamp in an export",
+       export_after_writing("tum", "stamps.txt", "a.png 10\nb.png 10\n")},
+      {"depth of a panorama along its axis",
+       export_after_writing("depth", "model/cameras.txt", "1 EQUIRECTANGULAR 64 48 64 48\n")},
+      {"undistorted image of too few pixels",
+       export_after_writing("3dgs", "model/cameras.txt", "1 SIMPLE_RADIAL 64 48 60 2 24 0.1\n")},
+      {"image name that leads out of an export",
+       export_after_writing("undistorted", "model/images.txt",
+                            "1" + poses + "../images/a.png\n\n2" + poses + "b.png\n\n")},
+      {"corrupt image among good ones in an export",
+       [](const TinyScene& scene) {
+         scene.write("images/b.png", "no image");
+         return with_flag(scene.exports("undistorted"), "--map", "");
+       }},
+  };
+}
+
 Cases output_cases() {
   return {
       {"output of unknown extension", colorize_flag("--out", "DIR/out.xyz")},
@@ -490,8 +536,8 @@ Cases usage_cases() {
 Cases bad_input_cases() {
   Cases all;
   for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), run_cases(),
-                     poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), evaluate_cases(),
-                     simulate_cases(), output_cases(), usage_cases()}) {
+                     poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), export_cases(),
+                     evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

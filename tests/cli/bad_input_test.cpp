@@ -121,6 +121,7 @@ TEST(TinyScene, IsGoodBeforeItIsSpoilt) {
   for (const auto& arguments : {scene.colorize(),
                                 scene.clean(),
                                 scene.poses(),
+                                with_flag(scene.exports("3dgs"), "--out", scene.path("exported")),
                                 {"info", scene.directory()},
                                 {"evaluate", "--estimate", model, "--reference", model}}) {
     const ProcessResult result = run_cpplus(arguments);

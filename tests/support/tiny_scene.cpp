@@ -110,6 +110,13 @@ std::vector<std::string> TinyScene::poses(const std::vector<std::string>& more) 
   return arguments;
 }
 
+std::vector<std::string> TinyScene::exports(const std::string& format, const std::vector<std::string>& more) const {
+  std::vector<std::string> arguments = {"export",       "--format", format,        "--map", path("map.pcd"), "--images",
+                                        path("images"), "--poses",  path("model"), "--out", path("out")};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
 std::vector<std::string> TinyScene::colorize_with(const std::string& flag, const std::string& value) const {
   return with_flag(colorize(), flag, value);
 }

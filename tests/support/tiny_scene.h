@@ -29,6 +29,8 @@ class TinyScene {
   std::vector<std::string> refine(const std::vector<std::string>& more = {}) const;
   std::vector<std::string> clean(const std::vector<std::string>& more = {}) const;
   std::vector<std::string> poses(const std::vector<std::string>& more = {}) const;
+  /// `export` to DIR/out with everything that a format may need but stamps.
+  std::vector<std::string> exports(const std::string& format, const std::vector<std::string>& more = {}) const;
   /// `colorize` with another value for one flag.
   std::vector<std::string> colorize_with(const std::string& flag, const std::string& value) const;
 

@@ -98,16 +98,29 @@ GrayImage to_gray(const ColorImage& image) {
   return gray;
 }
 
-void write_png(const std::string& path, const ColorImage& image) {
+namespace {
+
+void write_encoded(const std::string& path, const ColorImage& image, const char* format,
+                   const std::vector<int>& parameters) {
   if (image.empty()) throw Error(fmt::format("{}: cannot write: the image is empty", path));
   const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<Rgb*>(image.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
   std::vector<uint8_t> bytes;
-  if (!cv::imencode(".png", bgr, bytes)) throw Error(fmt::format("{}: cannot encode the image as PNG", path));
+  if (!cv::imencode(format, bgr, bytes, parameters)) {
+    throw Error(fmt::format("{}: cannot encode the image as {}", path, format));
+  }
   AtomicFile file(path);
   file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   file.commit();
+}
+
+}  // namespace
+
+void write_png(const std::string& path, const ColorImage& image) { write_encoded(path, image, ".png", {}); }
+
+void write_jpeg(const std::string& path, const ColorImage& image, int quality) {
+  write_encoded(path, image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 ImageSize read_image_size(const std::string& path) {

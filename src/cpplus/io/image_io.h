@@ -19,6 +19,8 @@ GrayImage read_gray_image(const std::string& path);
 GrayImage to_gray(const ColorImage& image);
 
 void write_png(const std::string& path, const ColorImage& image);
+/// Quality 0 to 100.
+void write_jpeg(const std::string& path, const ColorImage& image, int quality);
 
 /// Width and height from the header, without decoding the pixels where the format allows that.
 struct ImageSize {

@@ -81,4 +81,23 @@ void write_tum(const std::string& path, const Trajectory& trajectory) {
   file.commit();
 }
 
+void write_kitti(const std::string& path, const Trajectory& trajectory) {
+  AtomicFile file(path);
+  for (const StampedPose& pose : trajectory) {
+    const Eigen::Matrix3d rotation = pose.map_from_sensor.rotation.toRotationMatrix();
+    for (int row = 0; row < 3; ++row) {
+      file.stream() << fmt::format("{}{} {} {} {}", row == 0 ? "" : " ", rotation(row, 0), rotation(row, 1),
+                                   rotation(row, 2), pose.map_from_sensor.translation[row]);
+    }
+    file.stream() << "\n";
+  }
+  file.commit();
+}
+
+void write_times(const std::string& path, const Trajectory& trajectory) {
+  AtomicFile file(path);
+  for (const StampedPose& pose : trajectory) file.stream() << fmt::format("{}\n", pose.stamp_s);
+  file.commit();
+}
+
 }  // namespace cpplus

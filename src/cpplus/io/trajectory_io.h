@@ -14,4 +14,11 @@ Trajectory read_tum(const std::string& path);
 /// Writes with as many digits as bring back the same doubles.
 void write_tum(const std::string& path, const Trajectory& trajectory);
 
+/// Writes KITTI poses: for each pose the upper three rows of the matrix map_from_sensor, row by row, in one line of 12
+/// numbers. Stamps are not part of the format; write_times() writes them beside it.
+void write_kitti(const std::string& path, const Trajectory& trajectory);
+
+/// One stamp a line, seconds.
+void write_times(const std::string& path, const Trajectory& trajectory);
+
 }  // namespace cpplus

@@ -36,6 +36,22 @@ TEST_F(TumTest, WrittenTrajectoryComesBackExactly) {
   }
 }
 
+TEST_F(TumTest, KittiHoldsTheRowsOfTheMatrix) {
+  // A quarter turn about z: x becomes y.
+  const Rigid3 map_from_sensor(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitZ())),
+                               Eigen::Vector3d(4, 5, 6));
+  write_kitti(path("poses.txt"), {{1.5, map_from_sensor}, {2.25, Rigid3()}});
+  write_times(path("times.txt"), {{1.5, map_from_sensor}, {2.25, Rigid3()}});
+  std::istringstream words(read("poses.txt"));
+  const double expected[] = {0, -1, 0, 4, 1, 0, 0, 5, 0, 0, 1, 6, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  for (const double value : expected) {
+    double word = NAN;
+    words >> word;
+    EXPECT_NEAR(word, value, 1e-15);
+  }
+  EXPECT_EQ(read("times.txt"), "1.5\n2.25\n");
+}
+
 TEST_F(TumTest, BadLinesAreErrorsThatNameThem) {
   const auto expect = [&](const std::string& bytes, const std::string& text) {
     EXPECT_ERROR(read_tum(write("t.txt", bytes)), text);
