@@ -13,7 +13,7 @@
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
-#include "cpplus/pipeline/export_folder.h"
+#include "cpplus/pipeline/atomic_folder.h"
 #include "cpplus/pipeline/export_scene.h"
 
 namespace cpplus {
@@ -137,10 +137,22 @@ void ExportCommandOptions::validate() const {
   voxel_map.validate();
 }
 
+namespace {
+
+void check_is_new(const std::string& out) {
+  std::error_code failure;
+  if (fs::exists(out) && (!fs::is_directory(out) || !fs::is_empty(out, failure))) {
+    throw Error(fmt::format("{}: is there already; an export makes a new folder", out));
+  }
+}
+
+}  // namespace
+
 ExportSummary run_export(const ExportCommandOptions& options) {
   options.validate();
   const SparseModel model = read_sparse_model(options.poses);
-  ExportFolder folder(options.out);
+  check_is_new(options.out);
+  AtomicFolder folder(options.out);
   const fs::path& target = folder.temporary();
   const Eigen::Vector3d origin = options.local_origin ? origin_near(model) : Eigen::Vector3d(0, 0, 0);
   const std::string& format = options.format;
