@@ -200,7 +200,7 @@ TEST(AdjustScans, NamesTheAxisOfAnEndlessCorridorAndLeavesItAlone) {
     const ScanAdjustment& scan = result.scans[i];
     ASSERT_EQ(scan.weak_directions.size(), 1u) << i;
     EXPECT_GT(std::abs(scan.weak_directions[0].direction.x()), 0.99) << i;
-    EXPECT_LT(std::abs(scan.correction[3] - mean.x()), 0.003) << i;
+    EXPECT_LT(std::abs(scan.correction[3] - mean.x()), 0.006) << i;  // of 20 mm of drift: it is not guessed
     EXPECT_LT(scan.sigma[4], 0.003) << i;
   }
 }

@@ -25,6 +25,12 @@ const std::string* text_of(const OptionField& field) {
   return text ? *text : nullptr;
 }
 
+/// Whether the step writes what the field names.
+bool is_output(const RunStep& step, const OptionField& field) {
+  const std::string name = last_part(field.path);
+  return name == "out" || (step.name == "adjust" && name == "map");
+}
+
 /// The text of the field "out"; "" where the step has none.
 std::string output_of(const RunStep& step) {
   for (const OptionField& field : step.fields) {
@@ -63,8 +69,7 @@ std::string causes_of(const RunStep& step) {
   for (const OptionField& field : step.fields) {
     options += fmt::format("{}: {}\n", field.path, option_text(field));
     const std::string* text = text_of(field);
-    if (text && !text->empty() && last_part(field.path) != "out" && fs::exists(*text))
-      inputs += "input " + describe(*text);
+    if (text && !text->empty() && !is_output(step, field) && fs::exists(*text)) inputs += "input " + describe(*text);
   }
   return options + inputs;
 }
