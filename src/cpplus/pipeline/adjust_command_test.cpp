@@ -80,7 +80,8 @@ TEST_F(AdjustCommand, WritesPosesReportAndMap) {
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(adjust_report_path(options_.out)));
   EXPECT_EQ(report["status"], "adjusted");
   EXPECT_GT(report["held_out"]["thickness_before_m"], 0.015);
-  EXPECT_LT(report["held_out"]["thickness_after_m"], 0.0115);
+  const double after_m = report["held_out"]["thickness_after_m"];
+  EXPECT_LT(after_m, 0.7 * report["held_out"]["thickness_before_m"].get<double>());
   EXPECT_EQ(report["scans"].size(), 5u);
   EXPECT_EQ(report["scans"][4]["name"], "4.pcd");
   EXPECT_EQ(report["scans"][4]["correction"].size(), 6u);
