@@ -25,7 +25,7 @@ void add_run_command(CommandLine* command_line) {
   const auto run = [command_line] {
     if (command_line->config().empty()) throw UsageError("option config is required: it says what to run");
     std::vector<RunStep> steps;
-    for (const char* name : {"import", "clean", "poses", "refine", "colorize"}) {
+    for (const char* name : {"import", "adjust", "clean", "poses", "refine", "colorize"}) {
       if (command_line->has_command(name)) steps.push_back(command_line->step(name));
       if (!steps.empty() && steps.back().name == "import") steps.back() = import_for_run(steps.back());
     }
@@ -37,8 +37,8 @@ void add_run_command(CommandLine* command_line) {
                                    : fmt::format("{}: done in {:.1f} s", outcome.name, outcome.seconds));
     }
   };
-  command_line->add_command("run", "Runs import, clean, poses, refine and colorize as a --config file says, resumable",
-                            run);
+  command_line->add_command(
+      "run", "Runs import, adjust, clean, poses, refine and colorize as a --config file says, resumable", run);
 }
 
 }  // namespace cpplus

@@ -5,6 +5,7 @@
 namespace cpplus {
 
 // One function a command, each in its own cmd_NAME.cpp.
+void add_adjust_command(CommandLine* command_line);
 void add_clean_command(CommandLine* command_line);
 void add_colorize_command(CommandLine* command_line);
 void add_evaluate_command(CommandLine* command_line);

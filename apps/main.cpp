@@ -25,6 +25,7 @@ int fail(std::string message, int exit_code) {
 int main(int argc, char** argv) {
   try {
     cpplus::CommandLine command_line;
+    cpplus::add_adjust_command(&command_line);
     cpplus::add_clean_command(&command_line);
     cpplus::add_colorize_command(&command_line);
     cpplus::add_evaluate_command(&command_line);

@@ -7,7 +7,7 @@ import re
 import sys
 from pathlib import Path
 
-STAGES = {"dynamics", "visibility", "features", "refine", "render", "colorize", "evaluate", "simulate"}
+STAGES = {"adjust", "dynamics", "visibility", "features", "refine", "render", "colorize", "evaluate", "simulate"}
 
 # Project folders that a folder may include besides itself.
 BASE = {"core", "geometry", "cloud"}

@@ -499,6 +499,44 @@ Cases export_cases() {
   };
 }
 
+/// `adjust` of the scene, a flag of it changed where one is named.
+BadInputCase adjust_flag(const std::string& flag, const std::string& value) {
+  return [=](const TinyScene& scene) {
+    const auto path_of = [&](const std::string& text) {
+      return text.starts_with("DIR/") ? scene.path(text.substr(4)) : text;
+    };
+    const Arguments arguments = {"adjust",
+                                 "--scans",
+                                 scene.path("scans"),
+                                 "--poses",
+                                 scene.path("scans/poses.txt"),
+                                 "--out",
+                                 scene.path("adjusted.txt")};
+    return with_flag(arguments, flag, path_of(value));
+  };
+}
+
+Cases adjust_cases() {
+  return {
+      {"scans to adjust do not exist", adjust_flag("--scans", "DIR/none")},
+      {"poses to adjust do not exist", adjust_flag("--poses", "DIR/none.txt")},
+      {"scan to adjust without pose",
+       [](const TinyScene& scene) {
+         scene.write("scans/2.pcd", "");
+         return adjust_flag("--scans", "DIR/scans")(scene);
+       }},
+      {"scan to adjust without a finite point",
+       [](const TinyScene& scene) {
+         scene.write("scans/1.pcd", pcd("x y z", {"nan 0 1"}));
+         return adjust_flag("--scans", "DIR/scans")(scene);
+       }},
+      {"fewer than three scans to adjust", adjust_flag("--scans", "DIR/scans")},
+      {"map of adjust of unknown extension", adjust_flag("--map", "DIR/out.xyz")},
+      {"option of adjust out of range", adjust_flag("--adjust.patches.min-scans", "1")},
+      {"report in the trajectory's place", adjust_flag("--out", "poses.json")},
+  };
+}
+
 Cases output_cases() {
   return {
       {"output of unknown extension", colorize_flag("--out", "DIR/out.xyz")},
@@ -536,8 +574,8 @@ Cases usage_cases() {
 Cases bad_input_cases() {
   Cases all;
   for (Cases some : {map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), run_cases(),
-                     poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), export_cases(),
-                     evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
+                     poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), adjust_cases(),
+                     export_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

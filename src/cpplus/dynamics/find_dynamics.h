@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cpplus/cloud/voxel_map.h"
-#include "cpplus/dynamics/scan_set.h"
+#include "cpplus/cloud/scan_set.h"
 
 namespace cpplus {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cpplus/core/random.h"
-#include "cpplus/dynamics/scan_set.h"
+#include "cpplus/cloud/scan_set.h"
 
 namespace cpplus {
 

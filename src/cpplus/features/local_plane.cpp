@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "cpplus/features/moments.h"
+#include "cpplus/cloud/moments.h"
 
 namespace cpplus {
 namespace {

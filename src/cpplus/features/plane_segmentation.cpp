@@ -7,7 +7,7 @@
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/features/leaf_neighbors.h"
-#include "cpplus/features/moments.h"
+#include "cpplus/cloud/moments.h"
 #include "cpplus/features/settle_points.h"
 
 namespace cpplus {

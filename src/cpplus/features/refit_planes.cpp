@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cpplus/features/moments.h"
+#include "cpplus/cloud/moments.h"
 
 namespace cpplus {
 namespace {

@@ -26,9 +26,10 @@ const std::string* text_of(const OptionField& field) {
   return text ? *text : nullptr;
 }
 
-/// Options that are paths of what a command writes.
-bool is_output(const OptionField& field) {
+/// Options that are paths of what the command of a step writes.
+bool is_output(const RunStep& step, const OptionField& field) {
   const std::string name = last_part(field.path);
+  if (step.name == "adjust" && name == "map") return true;
   return text_of(field) && (name == "out" || name == "labels" || name == "debug_images");
 }
 
@@ -37,7 +38,7 @@ std::vector<std::string> outputs_of(const RunStep& step) {
   std::vector<std::string> outputs;
   bool has_out = false;
   for (const OptionField& field : step.fields) {
-    if (!is_output(field) || text_of(field)->empty()) continue;
+    if (!is_output(step, field) || text_of(field)->empty()) continue;
     outputs.push_back(*text_of(field));
     has_out = has_out || last_part(field.path) == "out";
   }
@@ -73,7 +74,7 @@ std::string causes_of(const RunStep& step) {
   for (const OptionField& field : step.fields) {
     options += fmt::format("{}: {}\n", field.path, option_text(field));
     const std::string* text = text_of(field);
-    if (text && !text->empty() && !is_output(field) && fs::exists(*text)) inputs += "input " + describe(*text);
+    if (text && !text->empty() && !is_output(step, field) && fs::exists(*text)) inputs += "input " + describe(*text);
   }
   return options + inputs;
 }

@@ -67,7 +67,8 @@ std::vector<std::string> list_scans(const std::string& directory) {
 ScanFolder read_scan_folder(const std::string& directory, const std::string& poses) {
   ScanFolder folder;
   folder.files = list_scans(directory);
-  const Trajectory map_from_lidar = read_tum(poses);
+  folder.map_from_lidar = read_tum(poses);
+  const Trajectory& map_from_lidar = folder.map_from_lidar;
   if (map_from_lidar.size() != folder.files.size()) {
     throw Error(fmt::format("{}: {} poses for the {} scans in {}", poses, map_from_lidar.size(), folder.files.size(),
                             directory));

@@ -4,13 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "cpplus/dynamics/scan_set.h"
+#include "cpplus/cloud/scan_set.h"
+#include "cpplus/geometry/trajectory.h"
 
 namespace cpplus {
 
 /// The scans of a folder in the map frame, and what is needed to name their points in the files again.
 struct ScanFolder {
   ScanSet scans;
+  Trajectory map_from_lidar;                        // by scan
   std::vector<std::string> files;                   // of the scans, in their order
   std::vector<std::vector<size_t>> dropped_points;  // by scan: non-finite points, by their place in the file
 };
