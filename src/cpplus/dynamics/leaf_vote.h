@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "cpplus/cloud/scan_set.h"
 #include "cpplus/cloud/voxel_map.h"
 #include "cpplus/dynamics/find_dynamics.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
-#include "cpplus/dynamics/scan_set.h"
 
 namespace cpplus {
 
