@@ -11,6 +11,7 @@
 #include "cpplus/core/log.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/core/progress.h"
 #include "cpplus/io/options_yaml.h"
 
 namespace cpplus {
@@ -128,6 +129,7 @@ int CommandLine::run(int argc, const char* const* argv) {
   global_.validate();
   set_num_threads(global_.threads);
   set_quiet(global_.quiet);
+  set_json_progress(global_.json_progress);
   for (const Command& command_of : commands_) {
     if (command_of.app->parsed()) command_of.run();
   }

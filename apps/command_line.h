@@ -16,12 +16,14 @@ namespace cpplus {
 struct GlobalOptions {
   int threads = 0;
   bool quiet = false;
+  bool json_progress = false;
 
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
     visitor("threads", threads, "How many threads to use; 0 = all cores. [0, 1024]");
     visitor("quiet", quiet, "Print nothing but warnings, errors and what was asked for.");
+    visitor("json_progress", json_progress, "Write progress to stderr as lines of JSON, for other programs.");
   }
 };
 

@@ -7,11 +7,13 @@
 
 #include "commands.h"
 #include "cpplus/core/error.h"
+#include "cpplus/core/interrupt.h"
 
 namespace {
 
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
+constexpr int kInterrupted = 130;  // 128 + SIGINT
 
 /// Prints the message as one line, whatever it holds.
 int fail(std::string message, int exit_code) {
@@ -23,6 +25,7 @@ int fail(std::string message, int exit_code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  cpplus::stop_on_signals();
   try {
     cpplus::CommandLine command_line;
     cpplus::add_adjust_command(&command_line);
@@ -40,6 +43,8 @@ int main(int argc, char** argv) {
     return command_line.run(argc, argv);
   } catch (const cpplus::UsageError& error) {
     return fail(error.what(), kWrongUsage);
+  } catch (const cpplus::Interrupted& interrupted) {
+    return fail(interrupted.what(), kInterrupted);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kFailed);
   } catch (const std::exception& error) {

@@ -68,11 +68,12 @@ ProcessResult run_program(const std::string& program, const std::vector<std::str
 
 ProcessResult run_cpplus(const std::vector<std::string>& arguments) { return run_program(CPPLUS_BINARY, arguments); }
 
-ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment) {
+ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment,
+                                  int signal) {
   // A process that has ended keeps its number until it is waited for, so nothing else can be hit.
-  return run(CPPLUS_BINARY, arguments, [&moment](pid_t child) {
+  return run(CPPLUS_BINARY, arguments, [&moment, signal](pid_t child) {
     moment();
-    kill(child, SIGKILL);
+    kill(child, signal);
   });
 }
 

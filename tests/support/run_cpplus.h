@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,8 +16,9 @@ struct ProcessResult {
 /// Runs a program, given by its path, without a shell and without a terminal.
 ProcessResult run_program(const std::string& program, const std::vector<std::string>& arguments);
 
-/// Starts the built program and kills it (SIGKILL) when `moment` returns, unless it ended before.
-ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment);
+/// Starts the built program and sends it a signal (SIGKILL) when `moment` returns, unless it ended before.
+ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment,
+                                  int signal = SIGKILL);
 
 /// Runs the built program with these arguments.
 ProcessResult run_cpplus(const std::vector<std::string>& arguments);

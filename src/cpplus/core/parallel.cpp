@@ -7,6 +7,8 @@
 #include <memory>
 #include <thread>
 
+#include "cpplus/core/interrupt.h"
+
 namespace cpplus {
 namespace {
 
@@ -32,14 +34,19 @@ void parallel_for_chunks(size_t size, size_t grain, const std::function<void(siz
   if (size == 0) return;
   grain = std::max<size_t>(1, grain);
   const size_t num_chunks = (size + grain - 1) / grain;
-  parallel_for_each(num_chunks,
-                    [&](size_t chunk) { body(chunk * grain, std::min(size, (chunk + 1) * grain)); });
+  parallel_for_each(num_chunks, [&](size_t chunk) { body(chunk * grain, std::min(size, (chunk + 1) * grain)); });
 }
 
 void parallel_for_each(size_t size, const std::function<void(size_t)>& body) {
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, size, 1), [&](const tbb::blocked_range<size_t>& range) {
-    for (size_t i = range.begin(); i != range.end(); ++i) body(i);
-  }, tbb::simple_partitioner());
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, size, 1),
+      [&](const tbb::blocked_range<size_t>& range) {
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+          check_interrupt();
+          body(i);
+        }
+      },
+      tbb::simple_partitioner());
 }
 
 }  // namespace cpplus

@@ -14,7 +14,8 @@ int num_threads();
 /// the same for any number of threads. An exception from a body is rethrown here.
 void parallel_for_chunks(size_t size, size_t grain, const std::function<void(size_t begin, size_t end)>& body);
 
-/// Calls body(i) for each i in [0, size), one task an index: for few, heavy items.
+/// Calls body(i) for each i in [0, size), one task an index: for few, heavy items. Throws Interrupted in place of the
+/// next call once a stop was asked for (core/interrupt.h).
 void parallel_for_each(size_t size, const std::function<void(size_t i)>& body);
 
 }  // namespace cpplus

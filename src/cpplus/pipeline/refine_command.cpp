@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/interrupt.h"
 #include "cpplus/core/log.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/core/progress.h"
@@ -24,6 +25,9 @@
 
 namespace cpplus {
 namespace {
+
+// Reason of the images that an interrupted run did not come to.
+constexpr const char* kNotReached = "interrupted before it was looked at";
 
 GrayImage decode_for(const std::string& path, const Camera& camera) {
   GrayImage image = read_gray_image(path);
@@ -94,25 +98,35 @@ class ModelRefiner {
         options_(options),
         reports_(model.images.size()),
         input_{model, {}, {}, {}} {
-    for (const PosedImage& image : model.images) {
+    for (size_t i = 0; i < model.images.size(); ++i) {
+      const PosedImage& image = model.images[i];
       guesses_.emplace_back(image.camera_from_map, options.stages.refine.prior.sigmas());
+      reports_[i].name = image.name;
+      reports_[i].camera_from_map = image.camera_from_map;
+      reports_[i].status = ImageStatus::kKeptCoarse;
+      reports_[i].reason = kNotReached;
     }
     input_.sequences = image_sequences(model, stamps);
     input_.velocities_per_s = image_velocities(model, input_.sequences, !stamps.empty(), trajectory);
     input_.decode = [this](size_t i) { return decode(i); };
   }
 
+  // After an interrupt what is done so far: the images that were looked at, each on its own.
   std::vector<ImageReport> run() {
     std::vector<size_t> all(model_.images.size());
     std::iota(all.begin(), all.end(), size_t{0});
-    refine("refine", all);
-    if (options_.joint) {
-      look_again();
-      solve_together();
+    try {
+      refine("refine", all);
+      if (options_.joint) refine_together();
+      if (!options_.debug_images.empty()) write_overlays();
+    } catch (const Interrupted&) {
+      interrupted_ = true;
+      clear_interrupt();  // the results must be written
     }
-    if (!options_.debug_images.empty()) write_overlays();
     return reports_;
   }
+
+  bool interrupted() const { return interrupted_; }
 
   const std::map<uint32_t, SharedErrors>& shared_errors() const { return shared_; }
 
@@ -120,6 +134,17 @@ class ModelRefiner {
   GrayImage decode(size_t i) const {
     const PosedImage& image = model_.images[i];
     return decode_for(image_path(options_.images, image.name), model_.cameras.at(image.camera_id));
+  }
+
+  void refine_together() {
+    const std::vector<ImageReport> alone = reports_;
+    try {
+      look_again();
+      solve_together();
+    } catch (const Interrupted&) {
+      reports_ = alone;
+      throw;
+    }
   }
 
   // Looks for doubtful images where the others expect them; what an image found before stays if its edges say so.
@@ -194,6 +219,7 @@ class ModelRefiner {
   JointRefinementInput input_;
   std::vector<PoseGuess> guesses_;
   std::map<uint32_t, SharedErrors> shared_;
+  bool interrupted_ = false;
 };
 
 }  // namespace
@@ -236,6 +262,12 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   write_sparse_model_text(options.out + "/sparse", refined_model(model, reports, options.only_refined));
   write_text_file(options.out + "/report.json",
                   refine_report_json(map_report, refiner.shared_errors(), reports, list_options(listed)));
+  if (refiner.interrupted()) {
+    const auto looked_at =
+        std::count_if(reports.begin(), reports.end(), [](const ImageReport& r) { return r.reason != kNotReached; });
+    throw Interrupted(fmt::format("interrupted: {} of {} images were looked at; {} holds their poses", looked_at,
+                                  reports.size(), options.out));
+  }
   return summary;
 }
 

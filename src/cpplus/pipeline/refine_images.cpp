@@ -4,6 +4,7 @@
 #include <set>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/progress.h"
 #include "cpplus/core/stopwatch.h"
 #include "cpplus/visibility/point_spacing.h"
 
@@ -77,11 +78,17 @@ void RefineImagesOptions::validate() const {
 
 MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options) {
   MapFeatures features;
+  Progress progress("map", 5);
   features.map = VoxelMap(cloud, options.voxel_map);
+  progress.advance();
   features.planes = segment_planes(features.map, options.planes);
+  progress.advance();
   features.surface = collect_plane_surface(features.map, features.planes, options.visibility);
+  progress.advance();
   features.edges = find_map_edges(features.map, cloud.intensities, features.planes, options.map_edges);
+  progress.advance();
   features.leaf_spacing = leaf_point_spacing(features.map);
+  progress.advance();
   return features;
 }
 
