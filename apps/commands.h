@@ -11,6 +11,7 @@ void add_evaluate_command(CommandLine* command_line);
 void add_import_command(CommandLine* command_line);
 void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);
+void add_report_command(CommandLine* command_line);
 void add_run_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);
 void add_simulate_command(CommandLine* command_line);
