@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
     cpplus::add_run_command(&command_line);
     cpplus::add_info_command(&command_line);
     cpplus::add_simulate_command(&command_line);
+    cpplus::add_view_command(&command_line);
     cpplus::add_config_command(&command_line);
     return command_line.run(argc, argv);
   } catch (const cpplus::UsageError& error) {

@@ -12,18 +12,29 @@ namespace {
 class TilePlanner {
  public:
   TilePlanner(const VoxelMap& map, const PointTileOptions& options)
-      : map_(map), options_(options), levels_down_(static_cast<int>(std::lround(std::log2(options.voxels_along_edge)))) {
+      : map_(map),
+        options_(options),
+        levels_down_(static_cast<int>(std::lround(std::log2(options.voxels_along_edge)))) {
     assert(map.num_layers() > levels_down_);
   }
 
   std::vector<PointTile> plan() {
-    std::vector<uint32_t> level;
-    for (uint32_t root = 0; root < map_.num_nodes(0); ++root) level.push_back(add_node(0, root));
+    Eigen::Vector3i least = map_.key(0, 0);
+    for (uint32_t root = 0; root < map_.num_nodes(0); ++root) least = least.cwiseMin(map_.key(0, root));
+    least_in_map_ = least.cast<double>() * map_.voxel_size(0);
+    Level level;
+    for (uint32_t root = 0; root < map_.num_nodes(0); ++root) {
+      const Eigen::Vector3i key = map_.key(0, root) - least;
+      level[{key.x(), key.y(), key.z()}] = add_node(0, root);
+    }
     while (level.size() > 1) level = join(level);
     return std::move(tiles_);
   }
 
  private:
+  // Tiles of one size by their place, counted from the least root so that doubling the size ends in one cube.
+  using Level = std::map<std::array<int, 3>, uint32_t>;
+
   uint32_t add(PointTile tile) {
     tiles_.push_back(std::move(tile));
     return static_cast<uint32_t>(tiles_.size() - 1);
@@ -31,8 +42,8 @@ class TilePlanner {
 
   uint32_t add_node(int layer, uint32_t node) {
     PointTile tile;
-    tile.key = map_.key(layer, node);
     tile.size_m = map_.voxel_size(layer);
+    tile.corner_in_map = map_.key(layer, node).cast<double>() * tile.size_m;
     tile.nodes = {{layer, node}};
     const bool has_finer = layer + levels_down_ <= map_.leaf_layer();
     if (has_finer && map_.num_points(layer, node) > options_.max_points) {
@@ -45,21 +56,18 @@ class TilePlanner {
   }
 
   // Cubes of twice the size over those of a level.
-  std::vector<uint32_t> join(const std::vector<uint32_t>& level) {
+  Level join(const Level& level) {
     std::map<std::array<int, 3>, std::vector<uint32_t>> parents;
-    for (uint32_t tile : level) {
-      const Eigen::Vector3i& key = tiles_[tile].key;
-      parents[{key.x() >> 1, key.y() >> 1, key.z() >> 1}].push_back(tile);
-    }
-    std::vector<uint32_t> result;
-    for (const auto& [key, children] : parents) result.push_back(add_joined({key[0], key[1], key[2]}, children));
+    for (const auto& [key, tile] : level) parents[{key[0] / 2, key[1] / 2, key[2] / 2}].push_back(tile);
+    Level result;
+    for (const auto& [key, children] : parents) result[key] = add_joined({key[0], key[1], key[2]}, children);
     return result;
   }
 
   uint32_t add_joined(const Eigen::Vector3i& key, const std::vector<uint32_t>& children) {
     PointTile tile;
-    tile.key = key;
     tile.size_m = 2.0 * tiles_[children.front()].size_m;
+    tile.corner_in_map = least_in_map_ + key.cast<double>() * tile.size_m;
     tile.spacing_m = std::min(tile.size_m / options_.voxels_along_edge, map_.voxel_size(0));
     tile.children = children;
     for (uint32_t child : children) {
@@ -71,6 +79,7 @@ class TilePlanner {
   const VoxelMap& map_;
   const PointTileOptions& options_;
   const int levels_down_;
+  Eigen::Vector3d least_in_map_ = Eigen::Vector3d::Zero();
   std::vector<PointTile> tiles_;
 };
 

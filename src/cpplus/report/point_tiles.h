@@ -17,16 +17,16 @@ struct PointTileOptions {
 
 /// A cube of a point cloud in one level of detail.
 struct PointTile {
-  Eigen::Vector3i key;              // of the cube in its level, as VoxelMap::key()
-  double size_m = 0.0;              // edge of the cube
-  double spacing_m = 0.0;           // edge of the voxels that one point each stands for; 0 = every point is there
-  std::vector<VoxelNode> nodes;     // whose points they are; those of a cube larger than the map's roots are roots
-  std::vector<uint32_t> children;   // tiles, finer, which replace this one
+  Eigen::Vector3d corner_in_map;   // the least of the cube's corners
+  double size_m = 0.0;             // edge of the cube
+  double spacing_m = 0.0;          // edge of the voxels that one point each stands for; 0 = every point is there
+  std::vector<VoxelNode> nodes;    // whose points they are; those of a cube larger than the map's roots are roots
+  std::vector<uint32_t> children;  // tiles, finer, which replace this one
 };
 
-/// Layers of the voxel map as tiles for a viewer. Cubes of the size of roots, halves, quarters, ... are nodes of the map;
-/// larger ones join roots until one cube holds everything, the last tile of the result. Children come before parents.
-/// The map must have voxels_along_edge times smaller leaves than roots.
+/// Layers of the voxel map as tiles for a viewer. Cubes of the size of roots, halves, quarters, ... are nodes of the
+/// map; larger ones join roots, counted from the least one, until one cube holds everything, the last tile of the
+/// result. Children come before parents. The map must have voxels_along_edge times smaller leaves than roots.
 std::vector<PointTile> plan_point_tiles(const VoxelMap& map, const PointTileOptions& options);
 
 /// The points of a tile, relative to `origin_in_map`, metres: all of them, or the mean of each voxel, with the mean of

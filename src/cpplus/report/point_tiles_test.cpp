@@ -64,14 +64,32 @@ TEST(PointTiles, CoarseTilesLieInTheirCubeAndKeepPlaceAndColor) {
       EXPECT_EQ(tile.size_m / 4, tile.spacing_m);
       EXPECT_LE(points.positions.size(), 16u);
     }
-    const Eigen::Vector3d low = tile.key.cast<double>() * tile.size_m - scene.cloud.origin;
+    const Eigen::Vector3d low = tile.corner_in_map - scene.cloud.origin;
     for (size_t i = 0; i < points.positions.size(); ++i) {
       const Eigen::Vector3d& x = points.positions[i];
       EXPECT_NEAR(x.z(), 0.5, 1e-6);
       EXPECT_TRUE(((x - low).array() >= -1e-3).all() && ((x - low).array() <= tile.size_m + 1e-3).all());
-      if (x.x() < 11.0) EXPECT_EQ(points.colors[i], (Rgb{200, 0, 0}));
-      if (x.x() > 13.0 && tile.spacing_m <= 1.0) EXPECT_EQ(points.colors[i], (Rgb{0, 200, 0}));
+      // Voxels of up to 4 m do not reach over the middle.
+      if (tile.spacing_m <= 4.0) {
+        EXPECT_EQ(points.colors[i], x.x() < 12.0 ? (Rgb{200, 0, 0}) : (Rgb{0, 200, 0}));
+      }
     }
+  }
+}
+
+TEST(PointTiles, JoinsRootsOnBothSidesOfTheOrigin) {
+  PointCloud cloud;
+  cloud.positions = {{-1.0f, -1.0f, -1.0f}, {1.0f, 1.0f, 1.0f}, {9.0f, 1.0f, -5.0f}};
+  cloud.colors.resize(3);
+  VoxelMapOptions options;
+  options.root_size_m = 4.0;
+  options.leaf_size_m = 1.0;
+  const VoxelMap map(cloud, options);
+  const PointTile top = plan_point_tiles(map, {1, 4}).back();
+  EXPECT_EQ(top.nodes.size(), 3u);
+  for (const Eigen::Vector3f& x : cloud.positions) {
+    const Eigen::Vector3d inside = x.cast<double>() - top.corner_in_map;
+    EXPECT_TRUE((inside.array() >= 0.0).all() && (inside.array() <= top.size_m).all());
   }
 }
 

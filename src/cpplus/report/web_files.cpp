@@ -15,6 +15,9 @@
 CPPLUS_EMBED(cpplus_web_report_html, "report.html");
 CPPLUS_EMBED(cpplus_web_report_js, "report.js");
 CPPLUS_EMBED(cpplus_web_report_css, "report.css");
+CPPLUS_EMBED(cpplus_web_view_html, "view.html");
+CPPLUS_EMBED(cpplus_web_view_js, "view.js");
+CPPLUS_EMBED(cpplus_web_view_css, "view.css");
 CPPLUS_EMBED(cpplus_web_licenses, "LICENSES.txt");
 
 namespace cpplus {
@@ -30,6 +33,13 @@ std::vector<WebFile> report_web_files() {
   return {file("index.html", cpplus_web_report_html_begin, cpplus_web_report_html_end),
           file("report.js", cpplus_web_report_js_begin, cpplus_web_report_js_end),
           file("report.css", cpplus_web_report_css_begin, cpplus_web_report_css_end),
+          file("LICENSES.txt", cpplus_web_licenses_begin, cpplus_web_licenses_end)};
+}
+
+std::vector<WebFile> view_web_files() {
+  return {file("index.html", cpplus_web_view_html_begin, cpplus_web_view_html_end),
+          file("view.js", cpplus_web_view_js_begin, cpplus_web_view_js_end),
+          file("view.css", cpplus_web_view_css_begin, cpplus_web_view_css_end),
           file("LICENSES.txt", cpplus_web_licenses_begin, cpplus_web_licenses_end)};
 }
 

@@ -15,6 +15,9 @@ struct WebFile {
 /// The files that the report's page consists of, apart from its data.
 std::vector<WebFile> report_web_files();
 
+/// The same for the viewer.
+std::vector<WebFile> view_web_files();
+
 /// Writes them into a folder, each atomically.
 void write_web_files(const std::vector<WebFile>& files, const std::string& folder);
 
