@@ -3,7 +3,7 @@
 // switch moves it, a distance is measured. Only this machine is served.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
-import { mkdirSync } from 'node:fs';
+import { mkdirSync, writeFileSync } from 'node:fs';
 import { request } from 'node:http';
 import { join, resolve } from 'node:path';
 import { openPage, shareOfPixels, startBrowser } from './browser.js';
@@ -30,28 +30,36 @@ try {
   assert.equal(await statusFor(address, '127.0.0.1'), 200);
   assert.equal(await statusFor(address, 'example.org'), 403);
 
-  const { page, problems } = await openPage(browser, { viewport: { width: 1280, height: 800 } });
+  const { page, problems } = await openPage(browser, { viewport: { width: 1000, height: 700 } });
+  page.setDefaultTimeout(240000);
+  // What the canvas shows, drawn and read at once: a software renderer may take too long for a screenshot of the page.
   const shot = async (name) => {
-    const png = await page.screenshot();
+    const data = await page.evaluate(() => {
+      const { renderer, scene, camera } = window.cpplusViewer.stage;
+      renderer.render(scene, camera);
+      return renderer.domElement.toDataURL('image/png').split(',')[1];
+    });
+    const png = Buffer.from(data, 'base64');
     if (pictures) {
       mkdirSync(pictures, { recursive: true });
-      const { writeFileSync } = await import('node:fs');
       writeFileSync(join(pictures, `${name}.png`), png);
     }
     return png;
   };
-  // With a software renderer frames take long: waits for the tiles, not for a time.
+  // Waits for the tiles, not for a time.
   const settled = () => page.waitForFunction(() => {
-    const cloud = window.cpplusViewer?.cloud;
+    const { cloud, stage } = window.cpplusViewer ?? {};
     if (!cloud) return false;
-    if (cloud.isLoading || cloud.numDrawn === 0) { window.quietFrames = 0; return false; }
-    window.quietFrames = (window.quietFrames ?? 0) + 1;
-    return window.quietFrames > 12;
-  }, null, { timeout: 120000, polling: 100 });
+    stage.invalidate();
+    window.quietLooks = cloud.isLoading || cloud.numDrawn === 0 ? 0 : (window.quietLooks ?? 0) + 1;
+    return window.quietLooks > 8;
+  }, null, { polling: 100 });
   const background = (r, g, b) => Math.abs(r - 0xe9) + Math.abs(g - 0xec) + Math.abs(b - 0xef) < 9;
   const drawnShare = async (png) => 1 - (await shareOfPixels(page, png, background));
 
   await page.goto(address);
+  await page.waitForFunction(() => window.cpplusViewer);
+  await page.evaluate(() => { window.cpplusViewer.cloud.detail = 7; });  // fewer points: there may be no graphics card
   await settled();
   const overview = await shot('view');
   assert.ok((await page.evaluate(() => window.cpplusViewer.cloud.numDrawn)) > 1000);
@@ -62,7 +70,7 @@ try {
   // A click on a camera.
   const index = await page.evaluate(() => {
     const { cameras } = window.cpplusViewer;
-    const inside = ([x, y]) => x > 300 && x < innerWidth - 20 && y > 20 && y < innerHeight - 60;
+    const inside = ([x, y]) => x > 280 && x < innerWidth - 20 && y > 20 && y < innerHeight - 60;
     return window.cpplusView.images.findIndex((image, i) => inside(cameras.screenPlace(i))
       && cameras.pick(...cameras.screenPlace(i)) === i && image.status === 'refined');
   });
@@ -72,13 +80,10 @@ try {
   assert.equal(await page.evaluate(() => window.cpplusViewer.photo.index), index);
   await settled();
   await page.locator('#photo-bar input[type=range]').fill('0');
-  await page.waitForTimeout(500);
   const cloudOnly = await shot('photo_0');
   await page.locator('#photo-bar input[type=range]').fill('1');
-  await page.waitForTimeout(500);
   const photoOnly = await shot('photo_1');
   await page.locator('#photo-bar input[type=range]').fill('0.5');
-  await page.waitForTimeout(500);
   await shot('photo_half');
   assert.ok((await drawnShare(photoOnly)) > 0.5, 'the photo fills the view');
   assert.notDeepEqual(cloudOnly, photoOnly);
@@ -91,7 +96,7 @@ try {
       const canvas = new OffscreenCanvas(24, 16);
       const context = canvas.getContext('2d');
       context.imageSmoothingQuality = 'high';
-      context.drawImage(image, 300, 40, image.width - 600, image.height - 140, 0, 0, 24, 16);
+      context.drawImage(image, 150, 60, image.width - 300, image.height - 120, 0, 0, 24, 16);
       return context.getImageData(0, 0, 24, 16).data;
     };
     const [x, y] = [await grid(first), await grid(second)];
@@ -100,7 +105,6 @@ try {
   await page.evaluate(() => window.cpplusViewer.photo.step(3));
   await page.waitForFunction(() => window.cpplusViewer.photo.ready);
   await page.locator('#photo-bar input[type=range]').fill('1');
-  await page.waitForTimeout(500);
   const otherPhoto = await shot('photo_other');
   const [same, other] = [await difference(cloudOnly, photoOnly), await difference(cloudOnly, otherPhoto)];
   assert.ok(same < 0.7 * other, `cloud against its photo ${same}, against another ${other}`);
@@ -119,7 +123,7 @@ try {
   await page.click('#measure');
   const targets = await page.evaluate(() => {
     const found = [];
-    for (let x = 320; x < innerWidth - 60 && found.length < 40; x += 23) {
+    for (let x = 300; x < innerWidth - 60 && found.length < 40; x += 23) {
       for (let y = 120; y < innerHeight - 120; y += 61) if (window.cpplusViewer.cloud.pointAt(x, y)) found.push([x, y]);
     }
     return [found[0], found[found.length - 1]];

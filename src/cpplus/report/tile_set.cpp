@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -63,27 +64,21 @@ TileColors tile_colors(const PointCloud& cloud) {
 
 std::string tile_name(size_t tile) { return fmt::format("tiles/{:06}.pnts", tile); }
 
-Json box_json(const std::vector<Eigen::Vector3d>& positions) {
-  Eigen::Vector3d low = positions.front(), high = positions.front();
-  for (const Eigen::Vector3d& x : positions) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const Eigen::Vector3d center = 0.5 * (low + high);
-  const Eigen::Vector3d half = (0.5 * (high - low)).cwiseMax(1e-3);
+Eigen::AlignedBox3d box_of(const std::vector<Eigen::Vector3d>& positions) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& x : positions) box.extend(x);
+  return box;
+}
+
+Json box_json(const Eigen::AlignedBox3d& box) {
+  const Eigen::Vector3d center = box.center();
+  const Eigen::Vector3d half = (0.5 * box.sizes()).cwiseMax(1e-3);
   return {center.x(), center.y(), center.z(), half.x(), 0, 0, 0, half.y(), 0, 0, 0, half.z()};
 }
 
-// The box of a cube: what finer levels hold may reach a little beyond the means that a coarse one holds.
-Json cube_json(const PointTile& tile, const Eigen::Vector3d& origin_in_map) {
-  const double half = 0.5 * tile.size_m;
-  const Eigen::Vector3d center = tile.corner_in_map.array() + half - origin_in_map.array();
-  return {center.x(), center.y(), center.z(), half, 0, 0, 0, half, 0, 0, 0, half};
-}
-
-Json tile_json(const std::vector<PointTile>& tiles, const std::vector<Json>& boxes, size_t tile) {
+Json tile_json(const std::vector<PointTile>& tiles, const std::vector<Eigen::AlignedBox3d>& boxes, size_t tile) {
   Json json;
-  json["boundingVolume"] = {{"box", boxes[tile]}};
+  json["boundingVolume"] = {{"box", box_json(boxes[tile])}};
   json["geometricError"] = tiles[tile].spacing_m;
   json["refine"] = "REPLACE";
   json["content"] = {{"uri", tile_name(tile)}};
@@ -106,14 +101,18 @@ void write_tile_set(const PointCloud& cloud, const Eigen::Vector3d& origin_in_ma
   const VoxelMap map(cloud, options);
   const TileColors colors = tile_colors(cloud);
   const std::vector<PointTile> tiles = plan_point_tiles(map, {});
-  std::vector<Json> boxes(tiles.size());
+  std::vector<Eigen::AlignedBox3d> boxes(tiles.size());
   Progress progress("write tiles", tiles.size());
   parallel_for_each(tiles.size(), [&](size_t i) {
     const TilePoints points = gather_tile_points(map, tiles[i], colors.colors, colors.is_colored, origin_in_map);
-    boxes[i] = tiles[i].children.empty() ? box_json(points.positions) : cube_json(tiles[i], origin_in_map);
+    boxes[i] = box_of(points.positions);
     write_text_file(folder + "/" + tile_name(i), encode_pnts(points.positions, points.colors));
     progress.advance();
   });
+  // What finer levels hold may reach beyond the means that a coarse one holds. Children come before parents.
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    for (uint32_t child : tiles[i].children) boxes[i].extend(boxes[child]);
+  }
   Json set;
   set["asset"] = {{"version", "1.0"}};
   set["geometricError"] = tiles.back().size_m;

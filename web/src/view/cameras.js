@@ -57,6 +57,7 @@ export function makeCameras(stage, view) {
     frusta.geometry.setAttribute('color', new BufferAttribute(new Float32Array(colors), 3));
     setPoints(trail, view.images.flatMap((image) => [placeOf(image.coarse), placeOf(image.refined)]));
     state.listeners.forEach((listener) => listener());
+    stage.invalidate();
   }
 
   /** The camera nearest to a place of the window, or null: by its centre and the middle of its frustum. */
@@ -82,6 +83,7 @@ export function makeCameras(stage, view) {
     state.hovered = index;
     setPoints(highlight, index === null ? [] : wirePoints(index));
     stage.canvas.style.cursor = index === null ? '' : 'pointer';
+    stage.invalidate();
     stage.canvas.title = index === null ? '' : view.images[index].name;
   }
 
@@ -104,11 +106,14 @@ export function makeCameras(stage, view) {
     stage.controls.target.copy(centre);
     stage.camera.position.copy(centre).addScaledVector(stage.up, 1.9 * radius).addScaledVector(side, 1.5 * radius);
     stage.controls.update();
+    stage.invalidate();
   }
 
   draw();
   return {
     pick, hover, frame, screenPlace, poseOf,
+    /** The height of the highest camera, metres along up. */
+    get top() { return Math.max(...view.images.map((image) => placeOf(image.refined).dot(stage.up))); },
     bearingsOf: (image) => bearings(view.cameras[image.camera]),
     get kind() { return state.kind; },
     use(kind) { state.kind = kind; hover(null); draw(); },

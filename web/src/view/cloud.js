@@ -1,5 +1,5 @@
 import { TilesRenderer } from '3d-tiles-renderer/three';
-import { Raycaster, Vector2 } from 'three';
+import { Box3, Raycaster, Vector2, Vector3 } from 'three';
 
 /** The tiles of the cloud: levels of detail come and go with the view. */
 export function makeCloud(stage) {
@@ -21,6 +21,8 @@ export function makeCloud(stage) {
   });
   tiles.addEventListener('dispose-model', ({ scene }) => scene.traverse((node) => loaded.delete(node)));
 
+  ['needs-update', 'needs-render', 'load-model', 'tile-visibility-change'].forEach((name) => tiles.addEventListener(name, stage.invalidate));
+
   const raycaster = new Raycaster();
   /** The point that is seen at a place of the window, or null: of those near the ray the nearest to the camera. */
   const pointAt = (x, y) => {
@@ -39,6 +41,13 @@ export function makeCloud(stage) {
 
   return {
     pointAt,
+    /** The height of the highest place of the cloud, metres along up; null until it is known. */
+    get top() {
+      const box = new Box3();
+      if (!tiles.getBoundingBox(box)) return null;
+      const corner = new Vector3(...['x', 'y', 'z'].map((axis) => (stage.up[axis] > 0 ? box.max[axis] : box.min[axis])));
+      return corner.dot(stage.up);
+    },
     /** Points in the tiles that are drawn now. */
     get numDrawn() {
       let count = 0;
@@ -49,7 +58,7 @@ export function makeCloud(stage) {
     },
     get isLoading() { return tiles.stats.downloading + tiles.stats.parsing > 0 || tiles.root === null; },
     set pointSize(size) { state.pointSize = size; loaded.forEach(style); },
-    set detail(px) { tiles.errorTarget = px; },
+    set detail(px) { tiles.errorTarget = px; stage.invalidate(); },
     set shown(on) { tiles.group.visible = on; },
     update() {
       tiles.setResolutionFromRenderer(stage.camera, stage.renderer);

@@ -23,6 +23,7 @@ export function makeMeasure(stage, cloud) {
       state.points.push(point.clone());
       draw();
       measure.onChange?.();
+      stage.invalidate();
     },
     /** Keeps the label at the middle of the line. */
     update() {

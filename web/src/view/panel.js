@@ -15,12 +15,40 @@ function poseSwitch(cameras) {
   return element('div', { class: 'switch' }, ...buttons);
 }
 
+// A cloud that ends this close above the cameras has a ceiling, which would hide everything from above; metres.
+const CEILING_M = 6;
+const ABOVE_CAMERAS_M = 0.4;
+
+/** A slider that hides what is high, so that one looks into rooms; set once the cloud's height is known. */
+function cutSlider(stage, cloud, cameras, photo) {
+  const state = { height: null, known: false };
+  const row = slider('cut above', 0, 1, 0.005, 1, (share) => { apply(share); });
+  const input = row.querySelector('input');
+  const low = () => cameras.top - 2.5;
+  function apply(share) {
+    state.height = share >= 1 ? null : low() + share * (cloud.top + 0.1 - low());
+    if (!photo.shown) stage.cutAbove(state.height);
+  }
+  return {
+    row,
+    restore: () => stage.cutAbove(state.height),
+    update() {
+      if (state.known || cloud.top === null) return;
+      state.known = true;
+      if (cloud.top - cameras.top > CEILING_M) return;
+      input.value = Math.min(1, (cameras.top + ABOVE_CAMERAS_M - low()) / (cloud.top + 0.1 - low()));
+      apply(Number(input.value));
+    },
+  };
+}
+
 /** Everything that can be set. */
 export function makePanel({ view, stage, cloud, cameras, photo, measure }) {
   const ramp = Array.from({ length: 9 }, (_, i) => shiftColor((i * view.limit_px) / 8, view.limit_px));
   const shown = { cameras: true, trail: true };
   const showLines = () => { cameras.shown = shown.cameras && !photo.shown; cameras.trailShown = shown.trail && !photo.shown; };
-  photo.onHide = showLines;
+  const cut = cutSlider(stage, cloud, cameras, photo);
+  photo.onHide = () => { showLines(); cut.restore(); };
   const measuring = element('button', { id: 'measure', click: () => (measure.active ? measure.stop() : measure.start()) }, 'measure a distance');
   const hint = element('p', { class: 'muted' });
   measure.onChange = () => {
@@ -39,6 +67,7 @@ export function makePanel({ view, stage, cloud, cameras, photo, measure }) {
     checkbox('cameras', true, (on) => { shown.cameras = on; showLines(); }),
     checkbox('from coarse to refined', true, (on) => { shown.trail = on; showLines(); }),
     checkbox('cloud', true, (on) => { cloud.shown = on; }),
+    cut.row,
     slider('size of cameras', 0.05, 2, 0.05, cameras.size, (size) => { cameras.size = size; }),
     slider('size of points', 1, 6, 0.5, 2, (size) => { cloud.pointSize = size; }),
     slider('detail', -8, -1, 0.25, -2.5, (px) => { cloud.detail = -px; }),
@@ -46,12 +75,9 @@ export function makePanel({ view, stage, cloud, cameras, photo, measure }) {
     hint,
     element('p', { class: 'muted small' }, 'Drag turns, right drag moves, wheel zooms. Click a camera for its photo; ← → next, R coarse or refined, Esc back.'));
   const status = document.getElementById('status');
-  let last = 0;
   return {
     update() {
-      const now = performance.now();
-      if (now - last < 300) return;
-      last = now;
+      cut.update();
       status.textContent = `${cloud.numDrawn.toLocaleString('en')} points drawn${cloud.isLoading ? ', loading…' : ''}`;
     },
   };

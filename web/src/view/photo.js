@@ -48,6 +48,7 @@ export function makePhoto(stage, view, cameras) {
   const state = { index: null, opacity: 0.6, home: null, ready: false };
 
   function goToPose() {
+    stage.cutAbove(null);
     const image = view.images[state.index];
     const pose = cameras.poseOf(state.index);
     const rays = cameras.bearingsOf(image);
@@ -58,6 +59,7 @@ export function makePhoto(stage, view, cameras) {
     surface.matrixAutoUpdate = false;
     surface.matrix.copy(matrixOf(pose));
     surface.matrixWorldNeedsUpdate = true;
+    stage.invalidate();
   }
 
   function loadPhoto(image) {
@@ -74,6 +76,7 @@ export function makePhoto(stage, view, cameras) {
       surface.material.needsUpdate = true;
       surface.visible = true;
       state.ready = true;
+      stage.invalidate();
     }, undefined, () => { document.getElementById('status').textContent = `${image.name}: the photo cannot be loaded`; });
   }
 
@@ -124,6 +127,7 @@ export function makePhoto(stage, view, cameras) {
       stage.camera.updateProjectionMatrix();
       stage.controls.enabled = true;
       photo.onHide?.();
+      stage.invalidate();
     },
   };
   cameras.onChange(() => { if (photo.shown) photo.show(state.index); });

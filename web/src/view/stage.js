@@ -1,4 +1,4 @@
-import { Color, MOUSE, PerspectiveCamera, Scene, WebGLRenderer } from 'three';
+import { Color, MOUSE, PerspectiveCamera, Plane, Scene, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 /** Scene, camera and controls in the frame of the map (metres, relative to the origin of the tiles). */
@@ -28,11 +28,27 @@ export function makeStage(canvas, up) {
   window.addEventListener('resize', resize);
   resize();
 
+  // Frames are drawn only where something has changed: a still view costs nothing.
+  let isStale = true;
+  const invalidate = () => { isStale = true; };
+  ['input', 'change', 'click', 'keydown', 'resize'].forEach((name) => window.addEventListener(name, invalidate));
+  controls.addEventListener('change', invalidate);
+  dark.addEventListener('change', invalidate);
   const run = (everyFrame) => renderer.setAnimationLoop(() => {
     if (controls.enabled) controls.update();
+    if (!isStale) return;
+    isStale = false;
     camera.updateMatrixWorld();
     everyFrame();
     renderer.render(scene, camera);
   });
-  return { canvas, renderer, scene, camera, controls, up, run };
+
+  // Hides what is higher than this, along up; null = nothing.
+  const ceiling = new Plane(up.clone().negate(), 0);
+  const cutAbove = (height) => {
+    ceiling.constant = height ?? 0;
+    renderer.clippingPlanes = height === null ? [] : [ceiling];
+    invalidate();
+  };
+  return { canvas, renderer, scene, camera, controls, up, run, invalidate, cutAbove };
 }
