@@ -12,12 +12,20 @@ export function makeCloud(stage) {
   tiles.setCamera(stage.camera);
   stage.scene.add(tiles.group);
 
+  // Means of voxels are drawn as large as their voxels, so that no holes show; the points themselves in pixels.
   const style = (points) => {
-    points.material.size = state.pointSize * stage.renderer.getPixelRatio();
-    points.material.sizeAttenuation = false;
+    const { spacing } = points.userData;
+    points.material.sizeAttenuation = spacing > 0;
+    points.material.size = spacing > 0 ? 0.6 * state.pointSize * spacing : state.pointSize * stage.renderer.getPixelRatio();
+    points.material.needsUpdate = true;
   };
-  tiles.addEventListener('load-model', ({ scene }) => {
-    scene.traverse((node) => { if (node.isPoints) { style(node); loaded.add(node); } });
+  tiles.addEventListener('load-model', ({ scene, tile }) => {
+    scene.traverse((node) => {
+      if (!node.isPoints) return;
+      node.userData.spacing = tile.geometricError;
+      style(node);
+      loaded.add(node);
+    });
   });
   tiles.addEventListener('dispose-model', ({ scene }) => scene.traverse((node) => loaded.delete(node)));
 

@@ -1,4 +1,4 @@
-import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial, SRGBColorSpace, TextureLoader } from 'three';
+import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial, NoColorSpace, TextureLoader } from 'three';
 import { element } from '../report/dom.js';
 import { VERDICTS, fixed } from '../report/words.js';
 import { matrixOf, placeOf, viewRotationOf } from './poses.js';
@@ -70,7 +70,7 @@ export function makePhoto(stage, view, cameras) {
     surface.geometry = photoSurface(view.cameras[image.camera], cameras.bearingsOf(image));
     loader.load(image.photo, (texture) => {
       if (state.index !== index) return texture.dispose();
-      texture.colorSpace = SRGBColorSpace;
+      texture.colorSpace = NoColorSpace;
       surface.material.map?.dispose();
       surface.material.map = texture;
       surface.material.needsUpdate = true;

@@ -1,9 +1,12 @@
-import { Color, MOUSE, PerspectiveCamera, Plane, Scene, WebGLRenderer } from 'three';
+import { Color, ColorManagement, LinearSRGBColorSpace, MOUSE, PerspectiveCamera, Plane, Scene, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 /** Scene, camera and controls in the frame of the map (metres, relative to the origin of the tiles). */
 export function makeStage(canvas, up) {
+  // The colours of points and photos are shown as they are in their files.
+  ColorManagement.enabled = false;
   const renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+  renderer.outputColorSpace = LinearSRGBColorSpace;
   const scene = new Scene();
   const camera = new PerspectiveCamera(60, 1, 0.05, 5000);
   camera.up.copy(up);
