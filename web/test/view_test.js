@@ -133,7 +133,9 @@ try {
   assert.ok(distance > 0.05, `distance ${distance}`);
   await page.waitForFunction(() => !document.getElementById('measure-label').hidden);
   assert.equal(await page.textContent('#measure-label'), `${distance.toFixed(3)} m`);
-  await shot('measure');
+  // The orange line is seen: points that the cut hides are not measured.
+  const line = await shareOfPixels(page, await shot('measure'), (r, g, b) => r > 240 && Math.abs(g - 140) < 20 && b < 30);
+  assert.ok(line > 0.0001, `share of the line: ${line}`);
 
   assert.deepEqual(problems, []);
   console.log(`viewer: all well; cloud against its photo ${same.toFixed(1)}, against another ${other.toFixed(1)}`);

@@ -41,7 +41,7 @@ export function makeCloud(stage) {
       raycaster.params.Points.threshold = threshold;
       hits.length = 0;
       raycaster.intersectObject(tiles.group, true, hits);
-      const near = hits.filter((hit) => hit.distanceToRay < 4 * pixel * hit.distance + 0.002);
+      const near = hits.filter((hit) => hit.distanceToRay < 4 * pixel * hit.distance + 0.002 && !stage.isHidden(hit.point));
       if (near.length) return near.reduce((a, b) => (a.distance < b.distance ? a : b)).point;
     }
     return null;

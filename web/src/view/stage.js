@@ -53,5 +53,6 @@ export function makeStage(canvas, up) {
     renderer.clippingPlanes = height === null ? [] : [ceiling];
     invalidate();
   };
-  return { canvas, renderer, scene, camera, controls, up, run, invalidate, cutAbove };
+  const isHidden = (point) => renderer.clippingPlanes.some((plane) => plane.distanceToPoint(point) < 0);
+  return { canvas, renderer, scene, camera, controls, up, run, invalidate, cutAbove, isHidden };
 }
