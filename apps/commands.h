@@ -13,9 +13,11 @@ void add_export_command(CommandLine* command_line);
 void add_import_command(CommandLine* command_line);
 void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);
+void add_report_command(CommandLine* command_line);
 void add_run_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);
 void add_simulate_command(CommandLine* command_line);
+void add_view_command(CommandLine* command_line);
 void add_config_command(CommandLine* command_line);
 
 }  // namespace cpplus

@@ -36,9 +36,11 @@ int main(int argc, char** argv) {
     cpplus::add_import_command(&command_line);
     cpplus::add_poses_command(&command_line);
     cpplus::add_refine_command(&command_line);
+    cpplus::add_report_command(&command_line);
     cpplus::add_run_command(&command_line);
     cpplus::add_info_command(&command_line);
     cpplus::add_simulate_command(&command_line);
+    cpplus::add_view_command(&command_line);
     cpplus::add_config_command(&command_line);
     return command_line.run(argc, argv);
   } catch (const cpplus::UsageError& error) {

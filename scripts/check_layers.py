@@ -36,6 +36,7 @@ THIRD_PARTY = {
     "zlib": (r"zlib\.h", {"io"}),
     "JSON": (r"nlohmann/", {"io", "report", "pipeline", "tests", "bench"}),
     "YAML": (r"yaml-cpp/", {"io", "apps", "tests"}),
+    "cpp-httplib": (r"httplib\.h", {"pipeline"}),
     "CLI11": (r"CLI/", {"apps"}),
     "GoogleTest": (r"(gtest|gmock)/", {"tests"}),
     "peers": (r"(pcl|open3d|octomap|benchmark)/", {"tests", "bench"}),

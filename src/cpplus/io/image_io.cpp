@@ -100,16 +100,18 @@ GrayImage to_gray(const ColorImage& image) {
 
 namespace {
 
-void write_encoded(const std::string& path, const ColorImage& image, const char* format,
-                   const std::vector<int>& parameters) {
-  if (image.empty()) throw Error(fmt::format("{}: cannot write: the image is empty", path));
+std::vector<uint8_t> encode(const ColorImage& image, const char* extension, const std::vector<int>& parameters) {
   const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<Rgb*>(image.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
   std::vector<uint8_t> bytes;
-  if (!cv::imencode(format, bgr, bytes, parameters)) {
-    throw Error(fmt::format("{}: cannot encode the image as {}", path, format));
+  if (!cv::imencode(extension, bgr, bytes, parameters)) {
+    throw Error(fmt::format("cannot encode an image of {}x{} as {}", image.width, image.height, extension));
   }
+  return bytes;
+}
+
+void write_bytes(const std::string& path, const std::vector<uint8_t>& bytes) {
   AtomicFile file(path);
   file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   file.commit();
@@ -117,10 +119,19 @@ void write_encoded(const std::string& path, const ColorImage& image, const char*
 
 }  // namespace
 
-void write_png(const std::string& path, const ColorImage& image) { write_encoded(path, image, ".png", {}); }
+void write_png(const std::string& path, const ColorImage& image) {
+  if (image.empty()) throw Error(fmt::format("{}: cannot write: the image is empty", path));
+  write_bytes(path, encode(image, ".png", {}));
+}
+
+std::vector<uint8_t> encode_jpeg(const ColorImage& image, int quality) {
+  if (image.empty()) throw Error("cannot encode an empty image as JPEG");
+  return encode(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+}
 
 void write_jpeg(const std::string& path, const ColorImage& image, int quality) {
-  write_encoded(path, image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+  if (image.empty()) throw Error(fmt::format("{}: cannot write: the image is empty", path));
+  write_bytes(path, encode_jpeg(image, quality));
 }
 
 ImageSize read_image_size(const std::string& path) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "cpplus/core/image.h"
 
@@ -19,7 +21,9 @@ GrayImage read_gray_image(const std::string& path);
 GrayImage to_gray(const ColorImage& image);
 
 void write_png(const std::string& path, const ColorImage& image);
-/// Quality 0 to 100.
+
+/// The image as the bytes of a JPEG file. quality in [1, 100].
+std::vector<uint8_t> encode_jpeg(const ColorImage& image, int quality);
 void write_jpeg(const std::string& path, const ColorImage& image, int quality);
 
 /// Width and height from the header, without decoding the pixels where the format allows that.

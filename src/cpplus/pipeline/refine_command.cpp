@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -21,7 +22,7 @@
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/image_sequences.h"
 #include "cpplus/pipeline/joint_refinement.h"
-#include "cpplus/report/overlay.h"
+#include "cpplus/pipeline/sample_dashes.h"
 
 namespace cpplus {
 namespace {
@@ -38,29 +39,23 @@ GrayImage decode_for(const std::string& path, const Camera& camera) {
   return image;
 }
 
-// One dash a sample, as long as the samples are apart.
-std::vector<OverlaySegment> dashes(const std::vector<EdgeSample>& samples, const Camera& camera,
-                                   const Rigid3& camera_from_map, double spacing_px) {
-  std::vector<OverlaySegment> segments;
-  const Eigen::Vector3d center = camera_center(camera_from_map);
-  for (const EdgeSample& sample : samples) {
-    const double half_m = 0.5 * spacing_px * (sample.x_in_map - center).norm() / camera.pixels_per_radian();
-    segments.push_back(
-        {sample.x_in_map - half_m * sample.direction_in_map, sample.x_in_map + half_m * sample.direction_in_map});
-  }
-  return segments;
-}
-
 void write_overlay(const RefineCommandOptions& options, const MapFeatures& features, const Camera& camera,
                    const Rigid3& coarse, const ImageReport& report) {
   const EdgesInView view = find_edges_in_view(features, camera, report.camera_from_map, options.stages);
   if (view.samples.empty()) return;
   const ColorImage image = read_color_image(image_path(options.images, report.name));
   const std::vector<OverlaySegment> segments =
-      dashes(view.samples, camera, report.camera_from_map, options.stages.samples.spacing_px);
+      sample_dashes(view.samples, camera, report.camera_from_map, options.stages.samples.spacing_px);
   write_png(image_path(options.debug_images, report.name + ".png"),
             before_after_overlay(image, segments, camera, coarse, report.camera_from_map, "before",
                                  "after: " + status_name(report.status)));
+}
+
+RefineInputs absolute_inputs(const RefineCommandOptions& options) {
+  const auto absolute = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  };
+  return {absolute(options.map), absolute(options.images), absolute(options.poses)};
 }
 
 RefineSummary summarise(const std::vector<ImageReport>& reports) {
@@ -260,8 +255,9 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   }
   RefineCommandOptions listed = options;
   write_sparse_model_text(options.out + "/sparse", refined_model(model, reports, options.only_refined));
-  write_text_file(options.out + "/report.json",
-                  refine_report_json(map_report, refiner.shared_errors(), reports, list_options(listed)));
+  write_text_file(
+      options.out + "/report.json",
+      refine_report_json(absolute_inputs(options), map_report, refiner.shared_errors(), reports, list_options(listed)));
   if (refiner.interrupted()) {
     const auto looked_at =
         std::count_if(reports.begin(), reports.end(), [](const ImageReport& r) { return r.reason != kNotReached; });

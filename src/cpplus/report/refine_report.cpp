@@ -100,10 +100,12 @@ std::string status_name(ImageStatus status) {
   return "";
 }
 
-std::string refine_report_json(const MapReport& map, const std::map<uint32_t, SharedErrors>& shared,
-                               const std::vector<ImageReport>& images, const std::vector<OptionField>& options) {
+std::string refine_report_json(const RefineInputs& inputs, const MapReport& map,
+                               const std::map<uint32_t, SharedErrors>& shared, const std::vector<ImageReport>& images,
+                               const std::vector<OptionField>& options) {
   Json json;
   json["version"] = version();
+  json["inputs"] = {{"map", inputs.map}, {"images", inputs.images}, {"poses", inputs.poses}};
   json["options"] = Json::object();
   for (const OptionField& field : options) json["options"][field.path] = option_json(field);
   json["map"] = {{"path", map.path},         {"points", map.num_points}, {"dropped_points", map.num_dropped_points},

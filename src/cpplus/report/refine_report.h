@@ -44,9 +44,17 @@ struct MapReport {
   double noise_m = 0.0;
 };
 
+/// Absolute paths of what was refined, so that other commands find it from report.json alone.
+struct RefineInputs {
+  std::string map;
+  std::string images;
+  std::string poses;
+};
+
 /// report.json. Numbers that do not exist are null.
 /// `shared`: by camera id.
-std::string refine_report_json(const MapReport& map, const std::map<uint32_t, SharedErrors>& shared,
-                               const std::vector<ImageReport>& images, const std::vector<OptionField>& options);
+std::string refine_report_json(const RefineInputs& inputs, const MapReport& map,
+                               const std::map<uint32_t, SharedErrors>& shared, const std::vector<ImageReport>& images,
+                               const std::vector<OptionField>& options);
 
 }  // namespace cpplus

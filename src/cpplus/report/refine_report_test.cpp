@@ -38,8 +38,12 @@ TEST(RefineReport, HoldsTheFiguresUnderTheirNames) {
   map.path = "map.las";
   map.num_points = 12345;
   map.noise_m = 0.02;
-  const auto json = nlohmann::json::parse(refine_report_json(map, {}, {image_report()}, {}));
+  const auto json = nlohmann::json::parse(
+      refine_report_json({"/d/map.las", "/d/photos", "/d/coarse"}, map, {}, {image_report()}, {}));
   EXPECT_FALSE(json["version"].get<std::string>().empty());
+  EXPECT_EQ(json["inputs"]["map"], "/d/map.las");
+  EXPECT_EQ(json["inputs"]["images"], "/d/photos");
+  EXPECT_EQ(json["inputs"]["poses"], "/d/coarse");
   EXPECT_EQ(json["map"]["points"], 12345);
   EXPECT_EQ(json["map"]["noise_m"], 0.02);
   ASSERT_EQ(json["images"].size(), 1u);
@@ -71,7 +75,7 @@ TEST(RefineReport, NumbersThatDoNotExistAreNull) {
   ImageReport image = image_report();
   image.refine.after.median_px = std::numeric_limits<double>::quiet_NaN();
   image.refine.covariance(2, 2) = std::numeric_limits<double>::infinity();
-  const auto json = nlohmann::json::parse(refine_report_json({}, {}, {image}, {}));
+  const auto json = nlohmann::json::parse(refine_report_json({}, {}, {}, {image}, {}));
   EXPECT_TRUE(json["images"][0]["after"]["median_px"].is_null());
   EXPECT_TRUE(json["images"][0]["covariance"][2][2].is_null());
 }
@@ -85,7 +89,7 @@ TEST(RefineReport, EachStatusHasTheNameOfTheContract) {
 }
 
 TEST(RefineReport, WithoutImagesTheListIsEmpty) {
-  const auto json = nlohmann::json::parse(refine_report_json({}, {}, {}, {}));
+  const auto json = nlohmann::json::parse(refine_report_json({}, {}, {}, {}, {}));
   EXPECT_TRUE(json["images"].is_array());
   EXPECT_TRUE(json["images"].empty());
   EXPECT_TRUE(json["shared"].is_object());

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cpplus/geometry/sparse_model.h"
+#include "cpplus/pipeline/refine_images.h"
+
+namespace cpplus {
+
+/// The folder that `refine` wrote, and what it was made of.
+struct RefineResult {
+  std::string folder;
+  std::string report_json;
+  RefineInputs inputs;
+  RefineImagesOptions stages;
+  SparseModel coarse;
+  SparseModel refined;
+};
+
+/// `folder` itself where it holds report.json, else its only sub-folder that does, as `run` leaves it. Throws Error
+/// where there is none or more than one.
+std::string find_refine_folder(const std::string& folder);
+
+/// Reads the folder. Inputs that `given` names count instead of those of report.json. Throws Error naming what is
+/// missing.
+RefineResult read_refine_result(const std::string& folder, const RefineInputs& given);
+
+/// Where each image of report.json stands in a model, by name; model.images.size() where it does not.
+std::vector<size_t> places_in_model(const std::vector<std::string>& names, const SparseModel& model);
+
+/// Names of the images of report.json, in its order.
+std::vector<std::string> report_image_names(const RefineResult& result);
+
+}  // namespace cpplus
