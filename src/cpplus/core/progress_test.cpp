@@ -14,7 +14,7 @@ TEST(Progress, LineShowsTheShareDone) {
 }
 
 TEST(Progress, LineShowsRateAndTimeLeft) {
-  EXPECT_EQ(progress_line("refine", 12, 30, 3.0, 4), "refine  [=>  ]  12/30  4.0/s  4 s left");
+  EXPECT_EQ(progress_line("refine", 12, 30, 3.0, 4), "refine  [=>  ]  12/30  4.0/s  5 s left");
   EXPECT_EQ(progress_line("refine", 1, 21, 30.0, 4), "refine  [>   ]  1/21  0.0/s  10 min left");
   EXPECT_EQ(progress_line("refine", 1, 1001, 18.0, 4), "refine  [>   ]  1/1001  0.1/s  5.0 h left");
 }
