@@ -1,9 +1,6 @@
 #include "cpplus/pipeline/scan_folder.h"
 
 #include <fmt/format.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +8,7 @@
 #include <filesystem>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/memory.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/io/atomic_file.h"
@@ -44,8 +42,8 @@ void move_to_map(const Rigid3& map_from_lidar, const Eigen::Vector3d& origin, Po
 template <typename T>
 std::vector<T> take_joined(std::vector<PointCloud>* scans, std::vector<T> PointCloud::*attribute) {
   std::vector<T> all;
-  const bool is_everywhere = std::none_of(scans->begin(), scans->end(),
-                                          [&](const PointCloud& scan) { return (scan.*attribute).empty(); });
+  const bool is_everywhere =
+      std::none_of(scans->begin(), scans->end(), [&](const PointCloud& scan) { return (scan.*attribute).empty(); });
   size_t size = 0;
   for (const PointCloud& scan : *scans) size += (scan.*attribute).size();
   if (is_everywhere) all.reserve(size);
@@ -54,13 +52,6 @@ std::vector<T> take_joined(std::vector<PointCloud>* scans, std::vector<T> PointC
     if (is_everywhere) all.insert(all.end(), taken.begin(), taken.end());
   }
   return all;
-}
-
-/// The clouds of single scans leave holes in the heap that no array of all scans fits in.
-void return_freed_memory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
 }
 
 }  // namespace
@@ -114,7 +105,7 @@ ScanFolder read_scan_folder(const std::string& directory, const std::string& pos
   points.intensities = take_joined(&scans, &PointCloud::intensities);
   points.colors = take_joined(&scans, &PointCloud::colors);
   points.stamps_s = take_joined(&scans, &PointCloud::stamps_s);
-  return_freed_memory();
+  return_freed_memory();  // the clouds of single scans
   return folder;
 }
 
