@@ -40,7 +40,7 @@ THIRD_PARTY = {
     "GoogleTest": (r"(gtest|gmock)/", {"tests"}),
     "peers": (r"(pcl|open3d|octomap|benchmark)/", {"tests", "bench"}),
 }
-PLATFORM = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll|malloc)\.h")
+PLATFORM = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll|malloc|dlfcn)\.h")
 EIGEN = re.compile(r"Eigen/")
 STANDARD = re.compile(r"[a-z_]+|(assert|errno|float|limits|math|signal|stddef|stdint|stdio|stdlib|string|time)\.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

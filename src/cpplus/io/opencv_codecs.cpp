@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <opencv2/core.hpp>
+
 #include "cpplus/core/error.h"
 
 namespace cpplus {

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
+
+namespace cv {
+class Mat;
+}
 
 namespace cpplus {
 
