@@ -7,7 +7,7 @@ import re
 import sys
 from pathlib import Path
 
-STAGES = {"dynamics", "visibility", "features", "refine", "colorize", "evaluate", "simulate"}
+STAGES = {"adjust", "dynamics", "visibility", "features", "refine", "render", "colorize", "evaluate", "simulate"}
 
 # Project folders that a folder may include besides itself.
 BASE = {"core", "geometry", "cloud"}
@@ -30,17 +30,18 @@ THIRD_PARTY = {
     "TBB": (r"(oneapi/)?tbb/", {"core"}),
     "Ceres": (r"ceres/", {"refine"}),
     "Qhull": (r"(libqhull|qhull)", {"visibility"}),
-    "OpenCV": (r"opencv2/", {"io", "features", "colorize", "simulate", "report", "pipeline", "tests", "bench"}),
+    "OpenCV": (r"opencv2/", {"io", "features", "render", "colorize", "simulate", "report", "pipeline", "tests", "bench"}),
     "Embree": (r"embree", {"simulate"}),
     "JPEG": (r"(jpeglib|jerror)\.h", {"io"}),
     "zlib": (r"zlib\.h", {"io"}),
     "JSON": (r"nlohmann/", {"io", "report", "pipeline", "tests", "bench"}),
     "YAML": (r"yaml-cpp/", {"io", "apps", "tests"}),
+    "cpp-httplib": (r"httplib\.h", {"pipeline"}),
     "CLI11": (r"CLI/", {"apps"}),
     "GoogleTest": (r"(gtest|gmock)/", {"tests"}),
     "peers": (r"(pcl|open3d|octomap|benchmark)/", {"tests", "bench"}),
 }
-PLATFORM = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll|malloc|dlfcn)\.h")
+PLATFORM = re.compile(r"(sys/\w+|unistd|fcntl|dirent|poll|malloc)\.h")
 EIGEN = re.compile(r"Eigen/")
 STANDARD = re.compile(r"[a-z_]+|(assert|errno|float|limits|math|signal|stddef|stdint|stdio|stdlib|string|time)\.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -12,7 +12,6 @@
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/block_reader.h"
 #include "cpplus/io/jpeg.h"
-#include "cpplus/io/opencv_codecs.h"
 
 namespace cpplus {
 namespace {
@@ -59,7 +58,7 @@ cv::Mat decode_with_opencv(const std::string& path, const std::vector<uint8_t>& 
   check_png(path, bytes);
   cv::Mat decoded;
   try {
-    if (!bytes.empty()) decoded = opencv_decode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
+    if (!bytes.empty()) decoded = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& exception) {
     throw Error(fmt::format("{}: cannot decode the image: {}", path, exception.err));
   }
@@ -104,8 +103,8 @@ void write_png(const std::string& path, const ColorImage& image) {
   const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<Rgb*>(image.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  const std::vector<uint8_t> bytes = opencv_encode(".png", bgr, {});
-  if (bytes.empty()) throw Error(fmt::format("{}: cannot encode the image as PNG", path));
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(".png", bgr, bytes)) throw Error(fmt::format("{}: cannot encode the image as PNG", path));
   AtomicFile file(path);
   file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   file.commit();

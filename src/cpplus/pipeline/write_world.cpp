@@ -12,7 +12,6 @@
 #include "cpplus/core/parallel.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
-#include "cpplus/io/opencv_codecs.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/io/trajectory_io.h"
 #include "cpplus/pipeline/npz_writer.h"
@@ -32,8 +31,10 @@ void write_jpeg(const std::string& path, const ColorImage& image) {
       bgr.at<cv::Vec3b>(y, x) = cv::Vec3b(pixel[2], pixel[1], pixel[0]);
     }
   }
-  const std::vector<uint8_t> bytes = opencv_encode(".jpg", bgr, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  if (bytes.empty()) throw Error("cannot encode image: " + path);
+  std::vector<uchar> bytes;
+  if (!cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
+    throw Error("cannot encode image: " + path);
+  }
   write_text_file(path, std::string(bytes.begin(), bytes.end()));
 }
 
