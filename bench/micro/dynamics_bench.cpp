@@ -1,15 +1,12 @@
 // Removal of dynamic objects: rays through the voxel map by skipping empty voxels of all layers, beside steps of one
-// leaf with a look-up each; and the whole stage. A room of 12 x 9 x 3 m as a LiDAR that walks through it sees it.
+// leaf with a look-up each; and the whole stage. A room of 12 x 9 x 3 m as a LiDAR that walks through it sees it; a
+// hall beside peers that keep free space.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "cpplus/core/parallel.h"
-#include "cpplus/core/random.h"
 #include "cpplus/dynamics/find_dynamics.h"
 #include "cpplus/dynamics/leaf_ray.h"
+#include "dynamics_bench_scans.h"
 
 namespace cpplus {
 namespace {
@@ -18,29 +15,7 @@ using Eigen::Vector3d;
 
 constexpr size_t kBeams = 20000;
 
-/// Scans of an empty room from places along its middle, in which somebody 0.5 m wide walks ahead of the sensor.
-ScanSet room_scans(size_t num_scans) {
-  const Vector3d room(12.0, 9.0, 3.0);
-  Random random(1);
-  ScanSet scans;
-  for (size_t scan = 0; scan < num_scans; ++scan) {
-    const Vector3d sensor(1.0 + 8.0 * static_cast<double>(scan) / static_cast<double>(num_scans), 4.5, 1.5);
-    for (size_t beam = 0; beam < kBeams; ++beam) {
-      const Vector3d direction = Vector3d(random.normal(), random.normal(), random.normal()).normalized();
-      double range = std::numeric_limits<double>::infinity();
-      for (int a = 0; a < 3; ++a) {
-        range = std::min(range, ((direction[a] > 0.0 ? room[a] : 0.0) - sensor[a]) / direction[a]);
-      }
-      const double to_person = 1.5 / direction.x();
-      const bool meets_person = to_person > 0.0 && std::abs(to_person * direction.y()) < 0.25;
-      if (meets_person) range = std::min(range, to_person);
-      scans.points.positions.push_back((sensor + (range + 0.02 * random.normal()) * direction).cast<float>());
-    }
-    scans.first_point.push_back(scans.points.size());
-    scans.sensors_in_map.push_back(sensor);
-  }
-  return scans;
-}
+ScanSet room_scans(size_t num_scans) { return bench::room_scans({12.0, 9.0, 3.0}, num_scans, kBeams); }
 
 /// Calls cast(direction, range) for each point of the first scan.
 template <typename Cast>
@@ -94,7 +69,34 @@ void BM_FindDynamics(benchmark::State& state) {
 }
 BENCHMARK(BM_FindDynamics)->ArgsProduct({{40, 400}, {1, 2}})->Unit(benchmark::kMillisecond)->UseRealTime();
 
+/// Cleaning of the hall, voxel map included. Argument: threads.
+void BM_CleanHall(benchmark::State& state) {
+  const ScanSet scans = bench::hall_scans();
+  VoxelMapOptions voxels;
+  voxels.leaf_size_m = bench::hall_voxel_m;
+  voxels.root_size_m = 16 * bench::hall_voxel_m;
+  set_num_threads(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(find_dynamics(VoxelMap(scans.points, voxels), scans, {}));
+  set_num_threads(0);
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(scans.points.size()));
+  state.counters["scans"] =
+      benchmark::Counter(static_cast<double>(scans.num_scans()), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(BM_CleanHall)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace cpplus
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+#ifdef CPPLUS_BENCH_OCTOMAP
+  cpplus::bench::register_octomap();
+#endif
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}

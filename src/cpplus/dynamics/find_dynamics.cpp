@@ -30,8 +30,9 @@ DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const Dy
   const double max_range_roots = options.max_range_m / map.options().root_size_m;
   check_option(max_range_roots <= LeafRayCaster::max_radius_roots, "max_range_m / root_size_m", "(0, 128]",
                max_range_roots);
-  const LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
+  LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
   const std::vector<uint32_t> num_through = count_see_through(map, scans, surfaces, options);
+  surfaces.means = {};  // the largest of what is not needed any more
   const std::vector<uint8_t> leaf_labels = vote_on_leaves(map, scans, surfaces, num_through, options);
 
   DynamicsResult result;

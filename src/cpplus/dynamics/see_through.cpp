@@ -44,7 +44,7 @@ class LeafSet {
 class ScanCaster {
  public:
   ScanCaster(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces, const DynamicsOptions& options,
-             std::vector<int32_t>* missing)
+             std::vector<uint32_t>* missing)
       : map_(map),
         scans_(scans),
         surfaces_(surfaces),
@@ -96,7 +96,7 @@ class ScanCaster {
     const auto end = static_cast<float>(distance);
     const auto max_off2 = static_cast<float>(options_.ray_radius_m * options_.ray_radius_m);
     caster.cast(direction.cast<double>(), distance, [&](uint32_t leaf) {
-      if (passed_.contains(leaf) || missing(leaf).load(std::memory_order_relaxed) <= 0) return;
+      if (passed_.contains(leaf) || static_cast<int32_t>(missing(leaf).load(std::memory_order_relaxed)) <= 0) return;
       const Vector3f to_mean = surfaces_.means[leaf] - sensor;
       const float along = to_mean.dot(direction);
       if (along > end || to_mean.squaredNorm() - along * along > max_off2) return;
@@ -117,8 +117,9 @@ class ScanCaster {
     });
   }
 
-  /// Shared by all threads. Once it is not positive it stays so, and what is below zero does not count.
-  std::atomic_ref<int32_t> missing(uint32_t leaf) const { return std::atomic_ref(missing_[leaf]); }
+  /// Shared by all threads. Once it is not positive, as a signed number, it stays so, and what is below zero does not
+  /// count.
+  std::atomic_ref<uint32_t> missing(uint32_t leaf) const { return std::atomic_ref(missing_[leaf]); }
 
   const VoxelMap& map_;
   const ScanSet& scans_;
@@ -127,7 +128,7 @@ class ScanCaster {
   const float min_sine_;
   LeafSet hit_;     // by the scan at hand
   LeafSet passed_;  // by its rays
-  int32_t* missing_;
+  uint32_t* missing_;
   std::vector<uint32_t> neighbors_;
 };
 
@@ -136,20 +137,19 @@ class ScanCaster {
 std::vector<uint32_t> count_see_through(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces,
                                         const DynamicsOptions& options) {
   const size_t num_leaves = surfaces.num_scans.size();
-  std::vector<int32_t> missing(num_leaves);
+  std::vector<uint32_t> missing(num_leaves);
   const auto sufficient = [&](size_t leaf) {
-    return static_cast<int32_t>(sufficient_scans(surfaces.num_scans[leaf], scans.num_scans(), options));
+    return sufficient_scans(surfaces.num_scans[leaf], scans.num_scans(), options);
   };
   for (size_t leaf = 0; leaf < num_leaves; ++leaf) missing[leaf] = sufficient(leaf);
   parallel_for_chunks(scans.num_scans(), kScansPerTask, [&](size_t begin, size_t end) {
     ScanCaster caster(map, scans, surfaces, options, &missing);
     for (size_t scan = begin; scan < end; ++scan) caster.cast(scan);
   });
-  std::vector<uint32_t> counts(num_leaves);
   for (size_t leaf = 0; leaf < num_leaves; ++leaf) {
-    counts[leaf] = static_cast<uint32_t>(sufficient(leaf) - std::max(0, missing[leaf]));
+    missing[leaf] = sufficient(leaf) - static_cast<uint32_t>(std::max(0, static_cast<int32_t>(missing[leaf])));
   }
-  return counts;
+  return missing;
 }
 
 }  // namespace cpplus

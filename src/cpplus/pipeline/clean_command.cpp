@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/memory.h"
 #include "cpplus/core/options.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/cloud_output.h"
@@ -42,6 +43,7 @@ CleanSummary run_clean(const CleanCommandOptions& options) {
   DynamicsResult dynamics;
   {
     const VoxelMap map(points, options.voxel_map);
+    return_freed_memory();  // what building the map took
     dynamics = find_dynamics(map, folder.scans, options.dynamics);
   }
   const CleanSummary summary{folder.files.size(), points.size(), dynamics.num_dynamic};

@@ -35,7 +35,7 @@ std::vector<std::optional<Vector6d>> image_velocities(const SparseModel& model, 
   std::vector<std::optional<Vector6d>> velocities(model.images.size());
   if (!stamped) return velocities;
   for (const auto& [camera, sequence] : sequences) {
-    const Trajectory way = trajectory.empty() ? coarse_trajectory(model, sequence) : trajectory;
+    const TrajectorySpline way(trajectory.empty() ? coarse_trajectory(model, sequence) : trajectory);
     for (const auto& [time, i] : sequence) {
       velocities[i] = camera_velocity(way, time, model.images[i].camera_from_map);
     }

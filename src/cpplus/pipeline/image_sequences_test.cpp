@@ -38,14 +38,14 @@ TEST(ImageSequences, StampsGiveTheOrderAndImagesWithoutOneAreLeftOut) {
 }
 
 TEST(ImageVelocities, ComeFromTheCoarsePosesOfTheSameCamera) {
-  // a, c and d of camera 1 in steps of half a second: 4 m/s from a to c, 2 m/s from c to d.
+  // a, c and d of camera 1 in steps of half a second: 4 m/s from a to c, 2 m/s from c to d, on a parabola.
   const std::map<std::string, double> stamps = {{"a", 0.0}, {"b", 0.2}, {"c", 0.5}, {"d", 1.0}};
   const ImageSequences sequences = image_sequences(model(), stamps);
   const auto velocities = image_velocities(model(), sequences, true, {});
   ASSERT_EQ(velocities.size(), 4u);
   ASSERT_TRUE(velocities[0] && velocities[3]);
-  EXPECT_NEAR((*velocities[0])(3), 4.0, 1e-9);
-  EXPECT_NEAR((*velocities[3])(3), 2.0, 1e-9);
+  EXPECT_NEAR((*velocities[0])(3), 5.0, 0.01);
+  EXPECT_NEAR((*velocities[3])(3), 1.0, 0.01);
   EXPECT_LT(velocities[0]->head<3>().norm(), 1e-9);
   EXPECT_FALSE(velocities[1]) << "one image alone has no velocity";
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/memory.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/io/atomic_file.h"
@@ -36,17 +37,20 @@ void move_to_map(const Rigid3& map_from_lidar, const Eigen::Vector3d& origin, Po
   scan->origin = origin;
 }
 
-/// Joins one attribute of the scans; empty where a scan does not have it.
+/// Joins one attribute of the scans, which lose it as it goes: it is never held twice. Empty where a scan does not have
+/// it.
 template <typename T>
-std::vector<T> joined(const std::vector<PointCloud>& scans, std::vector<T> PointCloud::*attribute) {
+std::vector<T> take_joined(std::vector<PointCloud>* scans, std::vector<T> PointCloud::*attribute) {
   std::vector<T> all;
+  const bool is_everywhere =
+      std::none_of(scans->begin(), scans->end(), [&](const PointCloud& scan) { return (scan.*attribute).empty(); });
   size_t size = 0;
-  for (const PointCloud& scan : scans) {
-    if ((scan.*attribute).empty()) return all;
-    size += scan.size();
+  for (const PointCloud& scan : *scans) size += (scan.*attribute).size();
+  if (is_everywhere) all.reserve(size);
+  for (PointCloud& scan : *scans) {
+    const std::vector<T> taken = std::move(scan.*attribute);
+    if (is_everywhere) all.insert(all.end(), taken.begin(), taken.end());
   }
-  all.reserve(size);
-  for (const PointCloud& scan : scans) all.insert(all.end(), (scan.*attribute).begin(), (scan.*attribute).end());
   return all;
 }
 
@@ -98,10 +102,11 @@ ScanFolder read_scan_folder(const std::string& directory, const std::string& pos
   }
   PointCloud& points = folder.scans.points;
   points.origin = origin;
-  points.positions = joined(scans, &PointCloud::positions);
-  points.intensities = joined(scans, &PointCloud::intensities);
-  points.colors = joined(scans, &PointCloud::colors);
-  points.stamps_s = joined(scans, &PointCloud::stamps_s);
+  points.positions = take_joined(&scans, &PointCloud::positions);
+  points.intensities = take_joined(&scans, &PointCloud::intensities);
+  points.colors = take_joined(&scans, &PointCloud::colors);
+  points.stamps_s = take_joined(&scans, &PointCloud::stamps_s);
+  return_freed_memory();  // the clouds of single scans
   return folder;
 }
 
