@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "cpplus/dynamics/scan_set.h"
+#include "cpplus/cloud/scan_set.h"
 
 namespace cpplus::bench {
 
