@@ -64,8 +64,8 @@ ViewSampler::ViewSampler(const ColorView& view, const ViewSamplingOptions& optio
   }
 }
 
-std::optional<ColorSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera,
-                                               const Eigen::Vector3d& normal_in_camera) const {
+std::optional<ViewSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera,
+                                              const Eigen::Vector3d& normal_in_camera) const {
   const double range = x_in_camera.norm();
   if (range > options_.max_distance_m || range == 0.0) return {};
   const auto pixel = view_.camera.project(x_in_camera);
@@ -84,9 +84,11 @@ std::optional<ColorSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camer
   if (around == Neighborhood::kHidden) return {};
 
   const double nearness = range / options_.reference_distance_m;
-  const double weight = view_.weight * cos_incidence / (1.0 + nearness * nearness) * position_weight(*pixel) *
+  const double radius = radius_of(*pixel);
+  const double position_weight = 1.0 - (1.0 - kCornerWeight) * radius * radius;
+  const double weight = view_.weight * cos_incidence / (1.0 + nearness * nearness) * position_weight *
                         (around == Neighborhood::kRim ? kRimWeight : 1.0);
-  return ColorSample{bilinear(view_.image, *pixel), weight};
+  return ViewSample{bilinear(view_.image, *pixel), weight, radius};
 }
 
 ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
@@ -113,11 +115,10 @@ ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, 
   return result;
 }
 
-double ViewSampler::position_weight(const Eigen::Vector2d& pixel) const {
-  if (view_.camera.model() == CameraModel::kEquirectangular) return 1.0;
+double ViewSampler::radius_of(const Eigen::Vector2d& pixel) const {
+  if (view_.camera.model() == CameraModel::kEquirectangular) return 0.0;
   const Eigen::Vector2d center(0.5 * (view_.camera.width() - 1), 0.5 * (view_.camera.height() - 1));
-  const double corner_share = (pixel - center).squaredNorm() / std::max(1.0, center.squaredNorm());
-  return 1.0 - (1.0 - kCornerWeight) * std::min(1.0, corner_share);
+  return std::min(1.0, (pixel - center).norm() / std::max(1.0, center.norm()));
 }
 
 }  // namespace cpplus
