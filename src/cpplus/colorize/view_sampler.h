@@ -75,6 +75,7 @@ class ViewSampler {
 
  private:
   enum class Neighborhood { kPlain, kRim, kHidden };
+  void find_extremes_around();
   Neighborhood look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
                            const Eigen::Vector3d& normal_in_camera, double slack_m) const;
   double radius_of(const Eigen::Vector2d& pixel) const;
@@ -83,6 +84,10 @@ class ViewSampler {
   const ViewSamplingOptions& options_;
   int reach_cells_;
   std::vector<Eigen::Vector3f> bearings_;  // of the cells of the depth buffer; zero where there is none
+  // Smallest and largest range within reach of each cell, where no surface counts as infinitely far. They settle most
+  // points without a look at every cell.
+  RangeImage nearest_around_;
+  RangeImage farthest_around_;
 };
 
 /// Bilinear interpolation; pixels beyond the border repeat the border.
