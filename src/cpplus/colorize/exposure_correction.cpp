@@ -85,4 +85,18 @@ WeightedColor ExposureCorrection::corrected(const ColorSample& sample) const {
   return result;
 }
 
+void apply_vignetting(const VignettingCoefficients& coefficients, ColorImage* picture) {
+  const double center_x = 0.5 * (picture->width - 1), center_y = 0.5 * (picture->height - 1);
+  const double half_diagonal = std::max(1.0, std::hypot(center_x, center_y));
+  for (int y = 0; y < picture->height; ++y) {
+    for (int x = 0; x < picture->width; ++x) {
+      const double radius = std::hypot(x - center_x, y - center_y) / half_diagonal;
+      const auto factor = static_cast<float>(std::exp(log_vignetting(coefficients, radius)));
+      for (uint8_t& channel : picture->at(x, y)) {
+        channel = static_cast<uint8_t>(level_of_light(factor * light_of_level(channel)) + 0.5f);
+      }
+    }
+  }
+}
+
 }  // namespace cpplus

@@ -7,6 +7,7 @@
 #include "cpplus/colorize/color_samples.h"
 #include "cpplus/colorize/exposure.h"
 #include "cpplus/colorize/robust_color.h"
+#include "cpplus/core/image.h"
 
 namespace cpplus {
 
@@ -31,5 +32,8 @@ class ExposureCorrection {
   std::vector<std::array<float, 256>> cameras_;  // factor by radius
   std::vector<bool> is_changed_;                 // by image: anything to divide out
 };
+
+/// Darkens a picture towards its corners as a camera with that vignetting does: what ExposureCorrection takes out.
+void apply_vignetting(const VignettingCoefficients& coefficients, ColorImage* picture);
 
 }  // namespace cpplus

@@ -161,6 +161,17 @@ TEST(ExposureCorrection, DividesGainAndVignettingOutOfLight) {
   EXPECT_EQ(correction.corrected({{level, 7, 0}, 9, 1, 255}).color, (std::array<float, 3>{float(level), 7.0f, 0.0f}));
 }
 
+TEST(Vignetting, IsAppliedAsItIsTakenOut) {
+  ColorImage picture(5, 1, Rgb{200, 100, 50});
+  apply_vignetting({std::log(0.5), 0.0, 0.0}, &picture);
+  EXPECT_EQ(picture.at(2, 0), (Rgb{200, 100, 50}));
+  EXPECT_NEAR(picture.at(0, 0)[0], level_of_light(0.5f * light_of_level(200)), 0.6);
+  ExposureModel model;
+  model.images = {{}};
+  model.cameras = {{{std::log(0.5), 0.0, 0.0}, true}};
+  EXPECT_NEAR(ExposureCorrection(model, {0}).corrected({picture.at(4, 0), 9, 0, 255}).color[0], 200, 1.5);
+}
+
 TEST(ExposureObservations, LeaveOutClippedAndDarkSamplesAndPointsSeenOnce) {
   ColorSamples samples(4, 4);
   samples.add(0, {{100, 100, 100}, 200, 0, 0});

@@ -166,9 +166,8 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   }
   if (options.color.exposure.gains && options.color.exposure.vignetting) log_exposure(result);
   write_point_cloud(options.out, result.cloud);
-  const std::vector<HeldOutImage> held_out =
-      compare_held_out(options.images, model, split.held_out, held_out_model, result.cloud,
-                       kPointLeaves * options.voxel_map.leaf_size_m);
+  const std::vector<HeldOutImage> held_out = compare_held_out(options.images, model, split.held_out, held_out_model,
+                                                              result, kPointLeaves * options.voxel_map.leaf_size_m);
   if (!options.report.empty()) write_text_file(options.report, colorize_report_json(result, held_out));
   if (!options.debug_images.empty()) write_debug_images(options, model, used, result.cloud);
   return {result.cloud.size(), result.num_colored,

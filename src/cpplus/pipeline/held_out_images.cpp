@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "cpplus/colorize/exposure_correction.h"
 #include "cpplus/core/error.h"
 #include "cpplus/core/log.h"
 #include "cpplus/core/parallel.h"
@@ -17,7 +18,7 @@ namespace {
 
 /// Nothing, with a warning, for an image that cannot be used.
 std::optional<HeldOutImage> compare(const std::string& image_folder, const PosedImage& image, const Camera& camera,
-                                    const SparseModel& poses, const PointCloud& cloud, double point_size_m) {
+                                    const SparseModel& poses, const ColorizeResult& result, double point_size_m) {
   const auto posed = std::find_if(poses.images.begin(), poses.images.end(),
                                   [&](const PosedImage& other) { return other.name == image.name; });
   if (posed == poses.images.end()) {
@@ -26,7 +27,11 @@ std::optional<HeldOutImage> compare(const std::string& image_folder, const Posed
   }
   try {
     const ColorImage photo = read_color_image(image_path(image_folder, image.name));
-    const CloudRendering rendering = render_colored_cloud(cloud, camera, posed->camera_from_map, point_size_m);
+    CloudRendering rendering = render_colored_cloud(result.cloud, camera, posed->camera_from_map, point_size_m);
+    const auto vignetting = result.vignetting.find(image.camera_id);
+    if (vignetting != result.vignetting.end() && vignetting->second.determined) {
+      apply_vignetting(vignetting->second.coefficients, &rendering.picture);
+    }
     return HeldOutImage{image.name, compare_images(photo, rendering.picture, rendering.colored)};
   } catch (const Error& error) {
     log_warning(fmt::format("held-out image {}: {}", image.name, error.what()));
@@ -47,17 +52,17 @@ HeldOutSplit split_images(const std::vector<size_t>& images, int every) {
 
 std::vector<HeldOutImage> compare_held_out(const std::string& image_folder, const SparseModel& model,
                                            const std::vector<size_t>& held_out, const SparseModel& poses,
-                                           const PointCloud& cloud, double point_size_m) {
+                                           const ColorizeResult& result, double point_size_m) {
   std::vector<std::optional<HeldOutImage>> compared(held_out.size());
   parallel_for_each(held_out.size(), [&](size_t k) {
     const PosedImage& image = model.images[held_out[k]];
-    compared[k] = compare(image_folder, image, model.cameras.at(image.camera_id), poses, cloud, point_size_m);
+    compared[k] = compare(image_folder, image, model.cameras.at(image.camera_id), poses, result, point_size_m);
   });
-  std::vector<HeldOutImage> result;
+  std::vector<HeldOutImage> images;
   for (std::optional<HeldOutImage>& image : compared) {
-    if (image) result.push_back(std::move(*image));
+    if (image) images.push_back(std::move(*image));
   }
-  return result;
+  return images;
 }
 
 }  // namespace cpplus

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "cpplus/cloud/point_cloud.h"
 #include "cpplus/geometry/sparse_model.h"
 #include "cpplus/report/colorize_report.h"
 
@@ -18,11 +17,11 @@ struct HeldOutSplit {
 /// Holds out the last of each `every` images, in their order; none for 0.
 HeldOutSplit split_images(const std::vector<size_t>& images, int every);
 
-/// Renders the coloured cloud from the pose that `poses` has for each held-out image (by name) and compares it with the
-/// photo. Images that cannot be read, are of another size than their camera, or without a pose are left out with a
-/// warning. `model` gives the cameras.
+/// Renders the coloured cloud from the pose that `poses` has for each held-out image (by name), darkens the corners as
+/// its camera does (result.vignetting), and compares it with the photo. Images that cannot be read, are of another size
+/// than their camera, or without a pose are left out with a warning. `model` gives the cameras.
 std::vector<HeldOutImage> compare_held_out(const std::string& image_folder, const SparseModel& model,
                                            const std::vector<size_t>& held_out, const SparseModel& poses,
-                                           const PointCloud& cloud, double point_size_m);
+                                           const ColorizeResult& result, double point_size_m);
 
 }  // namespace cpplus
