@@ -37,7 +37,9 @@ struct PointCloud {
   std::vector<float> intensities;                    // the file's own unit
   std::vector<Rgb> colors;
   std::vector<double> stamps_s;
-  std::vector<uint16_t> num_views;  // how many images gave a point its colour; 0 = no image sees it
+  std::vector<uint16_t> num_views;     // how many images gave a point its colour; 0 = no image sees it
+  std::vector<uint32_t> best_images;   // model's id of the image that counts most; 0 where no image sees it
+  std::vector<uint8_t> color_spreads;  // how far the images disagree on the colour, RMS in grey levels
   std::optional<LasFrame> las_frame;
 
   size_t size() const { return positions.size(); }

@@ -2,38 +2,43 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cpplus/core/image.h"
 
 namespace cpplus {
 
-/// The best few colour samples of each point. Memory is fixed from the start, 4 * max_samples + 3 bytes a point,
+/// What one image shows of one point, in 8 bytes.
+struct ColorSample {
+  Rgb color{};
+  uint8_t weight = 0;  // 1..255 for (0, 1]
+  uint16_t image = 0;  // index in the order of the views
+  uint8_t radius = 0;  // distance from the image centre, 255 = half the diagonal
+};
+
+/// The best few colour samples of each point. Memory is fixed from the start, 8 * max_samples + 3 bytes a point,
 /// however many images there are.
 class ColorSamples {
  public:
   ColorSamples(size_t num_points, int max_samples);
 
-  /// Offers a sample with a weight in (0, 1] (kept with 8 bits). A point that is full drops its lightest sample, the
-  /// later one where two are equally light. Different points may be added to at the same time.
-  void add(size_t point, const Rgb& color, double weight);
+  /// Offers a sample. A point that is full drops its lightest sample, the later one where two are equally light.
+  /// Different points may be added to at the same time.
+  void add(size_t point, const ColorSample& sample);
 
   /// How many images offered a sample, also those not kept.
   uint16_t num_views(size_t point) const { return num_views_[point]; }
 
-  /// The robust mean of the samples of a point: per channel the weighted median, then the weighted mean of the samples
-  /// whose channels all lie within max_deviation grey levels of it. An outlier among three samples has no influence,
-  /// yet the noise of the good ones is averaged. (0, 0, 0) for a point without samples.
-  Rgb color(size_t point, double max_deviation) const;
+  /// The kept samples in the order they came in.
+  std::span<const ColorSample> of_point(size_t point) const {
+    return {samples_.data() + point * static_cast<size_t>(max_samples_), num_kept_[point]};
+  }
+  size_t num_points() const { return num_views_.size(); }
 
  private:
-  struct Sample {
-    Rgb color;
-    uint8_t weight;
-  };
-
   int max_samples_;
-  std::vector<Sample> samples_;  // max_samples_ a point
+  std::vector<ColorSample> samples_;  // max_samples_ a point
   std::vector<uint8_t> num_kept_;
   std::vector<uint16_t> num_views_;
 };

@@ -1,11 +1,17 @@
 #include "cpplus/colorize/colorize.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "cpplus/colorize/color_samples.h"
+#include "cpplus/colorize/exposure_correction.h"
+#include "cpplus/colorize/robust_color.h"
 #include "cpplus/colorize/surface_normals.h"
+#include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
 
@@ -16,9 +22,14 @@ constexpr uint8_t kMidGray = 128;
 /// Darker than most of what images show, so that points without a colour do not look like white walls.
 constexpr double kBrightestGray = 160.0;
 
+/// [0, 1] to smallest..255.
+uint8_t to_byte(double share, int smallest) {
+  return static_cast<uint8_t>(std::clamp(static_cast<int>(255.0 * share + 0.5), smallest, 255));
+}
+
 /// Offers a view to the points of one root. Samples are kept by map order, so that roots touch disjoint runs.
 void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
-                      const ViewSampler& sampler, ColorSamples* samples) {
+                      const ViewSampler& sampler, uint16_t image, ColorSamples* samples) {
   const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
   uint32_t begin = root, end = root + 1;
   for (int layer = 0; layer < normals.layer; ++layer) {
@@ -31,7 +42,7 @@ void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32
     for (size_t i = map.points_begin(normals.layer, node); i < points_end; ++i) {
       const Eigen::Vector3d x_in_camera = rotation * map.point(i) + camera_from_map.translation;
       if (const auto sample = sampler.sample(x_in_camera, normal_in_camera)) {
-        samples->add(i, sample->color, sample->weight);
+        samples->add(i, {sample->color, to_byte(sample->weight, 1), image, to_byte(sample->radius, 0)});
       }
     }
   }
@@ -58,6 +69,65 @@ std::vector<Rgb> gray_of_intensities(const PointCloud& cloud) {
   return colors;
 }
 
+/// Offers every view to the points that it may see.
+ColorSamples collect_samples(const VoxelMap& map, const NextColorView& next_view, const ColorizeOptions& options,
+                             std::vector<ColorizedImage>* images) {
+  const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
+  ColorSamples samples(map.num_points(), options.max_samples);
+  while (const std::optional<ColorView> view = next_view()) {
+    if (images->size() > std::numeric_limits<uint16_t>::max()) {
+      throw Error(fmt::format("image {}: colours can come from 65536 images at most", view->name));
+    }
+    const auto index = static_cast<uint16_t>(images->size());
+    const ViewSampler sampler(*view, options.sampling);
+    const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const std::vector<uint32_t> roots =
+        map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
+                             options.sampling.max_distance_m);
+    parallel_for_each(roots.size(), [&](size_t k) {
+      add_view_to_root(map, normals, roots[k], view->camera_from_map, sampler, index, &samples);
+    });
+    images->push_back({view->name, view->image_id, view->camera_id, {}});
+  }
+  return samples;
+}
+
+/// Estimates the exposure of the images in `result` and puts it there.
+ExposureCorrection equalize_exposure(const ColorSamples& samples, const ExposureOptions& options,
+                                     ColorizeResult* result) {
+  std::map<uint32_t, uint32_t> index_of_camera;
+  std::vector<uint32_t> camera_of_image;
+  for (const ColorizedImage& image : result->images) {
+    const auto next = static_cast<uint32_t>(index_of_camera.size());
+    camera_of_image.push_back(index_of_camera.emplace(image.camera_id, next).first->second);
+  }
+  const ExposureObservations observations = collect_exposure_observations(samples, camera_of_image.size());
+  const ExposureModel model = estimate_exposure(observations, camera_of_image, index_of_camera.size(), options);
+  for (size_t i = 0; i < result->images.size(); ++i) result->images[i].exposure = model.images[i];
+  for (const auto& [id, index] : index_of_camera) result->vignetting[id] = model.cameras[index];
+  result->exposure_residual = model.residual;
+  return {model, camera_of_image};
+}
+
+void color_points(const VoxelMap& map, const ColorSamples& samples, const ExposureCorrection& correction,
+                  const std::vector<ColorizedImage>& images, double max_deviation, PointCloud* cloud) {
+  parallel_for_chunks(map.num_points(), 4096, [&](size_t begin, size_t end) {
+    std::vector<WeightedColor> colors;
+    for (size_t i = begin; i < end; ++i) {
+      const std::span<const ColorSample> kept = samples.of_point(i);
+      if (kept.empty()) continue;
+      colors.clear();
+      for (const ColorSample& sample : kept) colors.push_back(correction.corrected(sample));
+      const RobustColor robust = robust_color(colors, max_deviation);
+      const uint32_t point = map.input_index(i);
+      cloud->colors[point] = robust.color;
+      cloud->num_views[point] = samples.num_views(i);
+      cloud->best_images[point] = images[kept[robust.best].image].image_id;
+      cloud->color_spreads[point] = robust.spread;
+    }
+  });
+}
+
 }  // namespace
 
 void ColorizeOptions::validate() const {
@@ -70,31 +140,14 @@ void ColorizeOptions::validate() const {
 ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
                         const ColorizeOptions& options) {
   options.validate();
-  const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
-  ColorSamples samples(map.num_points(), options.max_samples);
   ColorizeResult result;
-  while (const std::optional<ColorView> view = next_view()) {
-    const ViewSampler sampler(*view, options.sampling);
-    const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    const std::vector<uint32_t> roots =
-        map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
-                             options.sampling.max_distance_m);
-    parallel_for_each(roots.size(), [&](size_t k) {
-      add_view_to_root(map, normals, roots[k], view->camera_from_map, sampler, &samples);
-    });
-    ++result.num_images;
-  }
-
+  const ColorSamples samples = collect_samples(map, next_view, options, &result.images);
+  const ExposureCorrection correction = equalize_exposure(samples, options.exposure, &result);
   cloud.colors = gray_of_intensities(cloud);
   cloud.num_views.assign(cloud.size(), 0);
-  parallel_for_chunks(map.num_points(), 4096, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      if (samples.num_views(i) == 0) continue;
-      const uint32_t point = map.input_index(i);
-      cloud.colors[point] = samples.color(i, options.max_deviation);
-      cloud.num_views[point] = samples.num_views(i);
-    }
-  });
+  cloud.best_images.assign(cloud.size(), 0);
+  cloud.color_spreads.assign(cloud.size(), 0);
+  color_points(map, samples, correction, result.images, options.max_deviation, &cloud);
   result.num_colored = static_cast<size_t>(
       std::count_if(cloud.num_views.begin(), cloud.num_views.end(), [](uint16_t views) { return views > 0; }));
   result.cloud = std::move(cloud);

@@ -2,19 +2,24 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/cloud/voxel_map.h"
+#include "cpplus/colorize/exposure.h"
 #include "cpplus/colorize/view_sampler.h"
 
 namespace cpplus {
 
 struct ColorizeOptions {
   ViewSamplingOptions sampling;
-  /// The best samples kept of each point; memory grows with it, by 4 bytes a point. [1, 64]
+  ExposureOptions exposure;
+  /// The best samples kept of each point; memory grows with it, by 8 bytes a point. [1, 64]
   int max_samples = 8;
-  /// A sample that differs by more than this from the median of its point in any channel is taken for an outlier.
+  /// A sample that differs by more than this from what most samples of its point say is taken for an outlier.
   /// Grey levels, [0, 255]
   double max_deviation = 30.0;
   /// Voxels that surface normals are fitted in; metres. (0, inf)
@@ -24,9 +29,10 @@ struct ColorizeOptions {
   template <typename Visitor>
   void visit(Visitor& visitor) {
     visitor.group("sampling", sampling);
+    visitor.group("exposure", exposure);
     visitor("max_samples", max_samples, "The best colour samples kept of each point. [1, 64]");
     visitor("max_deviation", max_deviation,
-            "A sample farther than this from the median of its point is an outlier, grey levels. [0, 255]");
+            "A sample farther than this from what most say of its point is an outlier, grey levels. [0, 255]");
     visitor("normal_voxel_m", normal_voxel_m, "Voxels that surface normals are fitted in, metres.");
   }
 };
@@ -34,18 +40,29 @@ struct ColorizeOptions {
 /// Yields the views one after the other, then nothing. Only one is held at a time.
 using NextColorView = std::function<std::optional<ColorView>()>;
 
-struct ColorizeResult {
-  /// The input's points in the input's order and with its other attributes, `colors` and `num_views` new. A point
-  /// that no image shows has num_views 0 and the grey of its intensity (of mid-grey without intensities).
-  PointCloud cloud;
-  size_t num_images = 0;
-  size_t num_colored = 0;  // points with num_views > 0
+/// What was found out about an image that gave colours.
+struct ColorizedImage {
+  std::string name;
+  uint32_t image_id = 0;
+  uint32_t camera_id = 0;
+  ImageExposure exposure;
 };
 
-/// Gives every point the robust mean (see ColorSamples) of the colours of the images that really see it. `map` must
-/// have been built from `cloud`; a point that it dropped (not finite) is seen by no image.
-/// Time is linear in images times points in their frusta; memory is the cloud plus 7 + 4 * max_samples bytes a point.
-/// The result does not depend on the number of threads.
+struct ColorizeResult {
+  /// The input's points in the input's order and with its other attributes; `colors`, `num_views`, `best_images` and
+  /// `color_spreads` are new. A point that no image shows has 0 in the last three and the grey of its intensity (of
+  /// mid-grey without intensities).
+  PointCloud cloud;
+  std::vector<ColorizedImage> images;               // in the order of the views
+  std::map<uint32_t, CameraVignetting> vignetting;  // by camera id
+  double exposure_residual = 0.0;                   // see ExposureModel; 0 where nothing was estimated
+  size_t num_colored = 0;                           // points with num_views > 0
+};
+
+/// Gives every point the colour on which the images that really see it agree (robust_color), after their exposure has
+/// been made equal (estimate_exposure). `map` must have been built from `cloud`; a point that it dropped (not finite)
+/// is seen by no image. Throws Error for more than 65536 images. Time is linear in images times points in their frusta;
+/// memory is the cloud plus 3 + 8 * max_samples bytes a point. The result does not depend on the number of threads.
 ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
                         const ColorizeOptions& options);
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "cpplus/colorize/srgb.h"
 #include "cpplus/core/error.h"
 #include "cpplus/core/parallel.h"
 
@@ -109,7 +110,7 @@ int deviation(const Rgb& a, const Rgb& b) {
 TEST(Colorize, GivesEverySeenPointItsTrueColour) {
   const World world = make_world();
   const ColorizeResult result = colorize(world.cloud, VoxelMap(world.cloud, {}), stream(four_views()), {});
-  EXPECT_EQ(result.num_images, 4u);
+  EXPECT_EQ(result.images.size(), 4u);
   ASSERT_EQ(result.cloud.size(), world.cloud.size());
   size_t num_wrong = 0;
   for (size_t i = 0; i < world.colors.size(); ++i) {
@@ -151,6 +152,50 @@ TEST(Colorize, AnOutlierAmongThreeImagesHasNoInfluence) {
   EXPECT_GT(num_by_three, 500u);
 }
 
+/// The image as a camera with another exposure records it.
+void expose(double gain, ColorView* view) {
+  for (Rgb& pixel : view->image.pixels) {
+    for (uint8_t& channel : pixel) {
+      channel = static_cast<uint8_t>(std::lround(level_of_light(static_cast<float>(gain) * light_of_level(channel))));
+    }
+  }
+}
+
+TEST(Colorize, ImagesOfDifferentExposureGiveOneColourWithoutASeam) {
+  const World world = make_world();
+  const VoxelMap map(world.cloud, {});
+  std::vector<ColorView> views = {render({-1.5, 0, 0}, 0.2), render({1.5, 0.2, 0}, -0.2)};
+  const ColorizeResult even = colorize(world.cloud, map, stream(views), {});
+  expose(0.7, &views[0]);
+  expose(1.3, &views[1]);
+  const ColorizeResult result = colorize(world.cloud, map, stream(views), {});
+  EXPECT_NEAR(result.images[1].exposure.log_gain - result.images[0].exposure.log_gain, std::log(1.3 / 0.7), 0.01);
+  // As bright as an image between the two, by the mean of the log gains, wherever a point's colour comes from.
+  const double mean_gain = std::sqrt(0.7 * 1.3);
+  size_t num_compared = 0, num_off = 0;
+  for (size_t i = 0; i < world.num_wall; ++i) {
+    if (result.cloud.num_views[i] == 0) continue;
+    ++num_compared;
+    for (size_t c = 0; c < 3; ++c) {
+      const float expected = level_of_light(static_cast<float>(mean_gain) * light_of_level(even.cloud.colors[i][c]));
+      if (std::abs(static_cast<float>(result.cloud.colors[i][c]) - expected) > 4.0f) {
+        ++num_off;
+        break;
+      }
+    }
+  }
+  EXPECT_GT(num_compared, world.num_wall / 2);
+  EXPECT_LT(num_off, num_compared / 100);
+  ColorizeOptions off;
+  off.exposure.gains = false;
+  const ColorizeResult seamed = colorize(world.cloud, map, stream(views), off);
+  int largest = 0;
+  for (size_t i = 0; i < world.num_wall; ++i) {
+    largest = std::max(largest, deviation(seamed.cloud.colors[i], result.cloud.colors[i]));
+  }
+  EXPECT_GT(largest, 15) << "without gains the seam must show, or this test proves nothing";
+}
+
 TEST(Colorize, KeepsTheInputsOrderAndAttributesAndShowsUnseenPointsByIntensity) {
   PointCloud cloud;
   cloud.origin = {400000, 5000000, 100};
@@ -159,6 +204,7 @@ TEST(Colorize, KeepsTheInputsOrderAndAttributesAndShowsUnseenPointsByIntensity) 
   cloud.stamps_s = {1, 2, 3, 4};
   ColorView view;
   view.name = "flat";
+  view.image_id = 42;
   view.camera = Camera(CameraModel::kPinhole, 100, 80, {60.0, 60.0, 50.0, 40.0});
   view.camera_from_map = Rigid3{Eigen::Quaterniond::Identity(), -cloud.origin};
   view.image = ColorImage(100, 80, Rgb{1, 2, 3});
@@ -167,6 +213,8 @@ TEST(Colorize, KeepsTheInputsOrderAndAttributesAndShowsUnseenPointsByIntensity) 
   const ColorizeResult result = colorize(cloud, VoxelMap(cloud, {}), stream({view}), {});
   EXPECT_EQ(result.num_colored, 2u);
   EXPECT_EQ(result.cloud.num_views, (std::vector<uint16_t>{1, 0, 0, 1}));
+  EXPECT_EQ(result.cloud.best_images, (std::vector<uint32_t>{42, 0, 0, 42}));
+  EXPECT_EQ(result.cloud.color_spreads, (std::vector<uint8_t>{0, 0, 0, 0}));
   EXPECT_EQ(result.cloud.colors[0], (Rgb{1, 2, 3}));
   EXPECT_EQ(result.cloud.colors[3], (Rgb{1, 2, 3}));
   // The 99th percentile of four intensities is the third: 50 is as bright as grey gets, and so is what lies above.
@@ -195,6 +243,11 @@ TEST(Colorize, IsTheSameForAnyNumberOfThreads) {
   set_num_threads(0);
   EXPECT_EQ(one.cloud.colors, four.cloud.colors);
   EXPECT_EQ(one.cloud.num_views, four.cloud.num_views);
+  EXPECT_EQ(one.cloud.best_images, four.cloud.best_images);
+  EXPECT_EQ(one.cloud.color_spreads, four.cloud.color_spreads);
+  for (size_t i = 0; i < one.images.size(); ++i) {
+    EXPECT_EQ(one.images[i].exposure.log_gain, four.images[i].exposure.log_gain);
+  }
 }
 
 TEST(Colorize, RejectsOptionsOutOfRange) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
@@ -38,10 +39,12 @@ Rgb bilinear(const ColorImage& image, const Eigen::Vector2d& pixel) {
   const double right = x - x0;
   const double down = y - y0;
   Rgb color;
+  const Rgb &top_left = image.at(x0, y0), &top_right = image.at(x1, y0);
+  const Rgb &bottom_left = image.at(x0, y1), &bottom_right = image.at(x1, y1);
   for (size_t c = 0; c < 3; ++c) {
-    const double top = (1 - right) * image.at(x0, y0)[c] + right * image.at(x1, y0)[c];
-    const double bottom = (1 - right) * image.at(x0, y1)[c] + right * image.at(x1, y1)[c];
-    color[c] = static_cast<uint8_t>(std::lround((1 - down) * top + down * bottom));
+    const double top = (1 - right) * top_left[c] + right * top_right[c];
+    const double bottom = (1 - right) * bottom_left[c] + right * bottom_right[c];
+    color[c] = static_cast<uint8_t>((1 - down) * top + down * bottom + 0.5);
   }
   return color;
 }
@@ -62,10 +65,39 @@ ViewSampler::ViewSampler(const ColorView& view, const ViewSamplingOptions& optio
       bearings_.push_back(bearing ? Eigen::Vector3f(bearing->cast<float>()) : Eigen::Vector3f::Zero());
     }
   }
+  find_extremes_around();
 }
 
-std::optional<ColorSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera,
-                                               const Eigen::Vector3d& normal_in_camera) const {
+/// First along the rows, then along the columns.
+void ViewSampler::find_extremes_around() {
+  const RangeImage& range = view_.depth.range;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  RangeImage nearest(range.width, range.height, kInfinity), farthest(range.width, range.height);
+  for (int y = 0; y < range.height; ++y) {
+    for (int x = 0; x < range.width; ++x) {
+      for (int column = x - reach_cells_; column <= x + reach_cells_; ++column) {
+        const int other = view_.depth.column(column);
+        if (other < 0) continue;
+        const float there = range.at(other, y) > 0.0f ? range.at(other, y) : kInfinity;
+        nearest.at(x, y) = std::min(nearest.at(x, y), there);
+        farthest.at(x, y) = std::max(farthest.at(x, y), there);
+      }
+    }
+  }
+  nearest_around_ = RangeImage(range.width, range.height, kInfinity);
+  farthest_around_ = RangeImage(range.width, range.height);
+  for (int y = 0; y < range.height; ++y) {
+    for (int row = std::max(0, y - reach_cells_); row <= std::min(range.height - 1, y + reach_cells_); ++row) {
+      for (int x = 0; x < range.width; ++x) {
+        nearest_around_.at(x, y) = std::min(nearest_around_.at(x, y), nearest.at(x, row));
+        farthest_around_.at(x, y) = std::max(farthest_around_.at(x, y), farthest.at(x, row));
+      }
+    }
+  }
+}
+
+std::optional<ViewSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera,
+                                              const Eigen::Vector3d& normal_in_camera) const {
   const double range = x_in_camera.norm();
   if (range > options_.max_distance_m || range == 0.0) return {};
   const auto pixel = view_.camera.project(x_in_camera);
@@ -84,9 +116,11 @@ std::optional<ColorSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camer
   if (around == Neighborhood::kHidden) return {};
 
   const double nearness = range / options_.reference_distance_m;
-  const double weight = view_.weight * cos_incidence / (1.0 + nearness * nearness) * position_weight(*pixel) *
+  const double radius = radius_of(*pixel);
+  const double position_weight = 1.0 - (1.0 - kCornerWeight) * radius * radius;
+  const double weight = view_.weight * cos_incidence / (1.0 + nearness * nearness) * position_weight *
                         (around == Neighborhood::kRim ? kRimWeight : 1.0);
-  return ColorSample{bilinear(view_.image, *pixel), weight};
+  return ViewSample{bilinear(view_.image, *pixel), weight, radius};
 }
 
 ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
@@ -94,6 +128,10 @@ ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, 
   const RangeImage& buffer = view_.depth.range;
   const double range = x_in_camera.norm();
   const double jump_m = slack_m + options_.edge_jump_ratio * range;
+  if (buffer.contains(cell.x(), cell.y()) && range - nearest_around_.at(cell.x(), cell.y()) <= jump_m &&
+      farthest_around_.at(cell.x(), cell.y()) - range <= jump_m) {
+    return Neighborhood::kPlain;
+  }
   const double plane_distance = normal_in_camera.dot(x_in_camera);
   Neighborhood result = Neighborhood::kPlain;
   for (int y = std::max(0, cell.y() - reach_cells_); y <= std::min(buffer.height - 1, cell.y() + reach_cells_); ++y) {
@@ -113,11 +151,10 @@ ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, 
   return result;
 }
 
-double ViewSampler::position_weight(const Eigen::Vector2d& pixel) const {
-  if (view_.camera.model() == CameraModel::kEquirectangular) return 1.0;
+double ViewSampler::radius_of(const Eigen::Vector2d& pixel) const {
+  if (view_.camera.model() == CameraModel::kEquirectangular) return 0.0;
   const Eigen::Vector2d center(0.5 * (view_.camera.width() - 1), 0.5 * (view_.camera.height() - 1));
-  const double corner_share = (pixel - center).squaredNorm() / std::max(1.0, center.squaredNorm());
-  return 1.0 - (1.0 - kCornerWeight) * std::min(1.0, corner_share);
+  return std::min(1.0, (pixel - center).norm() / std::max(1.0, center.norm()));
 }
 
 }  // namespace cpplus

@@ -14,8 +14,10 @@ namespace cpplus {
 
 /// An image to take colours from.
 struct ColorView {
-  std::string name;  // for error messages
-  ColorImage image;  // as recorded, not undistorted
+  std::string name;        // for error messages
+  uint32_t image_id = 0;   // of the model; becomes PointCloud::best_images
+  uint32_t camera_id = 0;  // images with the same one share vignetting
+  ColorImage image;        // as recorded, not undistorted
   Camera camera;
   Rigid3 camera_from_map;
   DepthBuffer depth;    // of the map from this pose
@@ -53,9 +55,10 @@ struct ViewSamplingOptions {
   }
 };
 
-struct ColorSample {
+struct ViewSample {
   Rgb color;
   double weight;  // (0, 1]
+  double radius;  // distance from the image centre over half the diagonal, [0, 1]; 0 in a panorama
 };
 
 /// Answers for one view which colour it gives to a point of the map. Safe from several threads.
@@ -68,18 +71,23 @@ class ViewSampler {
   /// of the image (vignetting), not on the rim of the foreground. The unit normal (camera frame, either sign) may be
   /// zero where it is not known. Nothing for a point that the image does not show: behind the camera, outside the image
   /// or its margin, too far, hidden, or background next to something in front.
-  std::optional<ColorSample> sample(const Eigen::Vector3d& x_in_camera, const Eigen::Vector3d& normal_in_camera) const;
+  std::optional<ViewSample> sample(const Eigen::Vector3d& x_in_camera, const Eigen::Vector3d& normal_in_camera) const;
 
  private:
   enum class Neighborhood { kPlain, kRim, kHidden };
+  void find_extremes_around();
   Neighborhood look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
                            const Eigen::Vector3d& normal_in_camera, double slack_m) const;
-  double position_weight(const Eigen::Vector2d& pixel) const;
+  double radius_of(const Eigen::Vector2d& pixel) const;
 
   const ColorView& view_;
   const ViewSamplingOptions& options_;
   int reach_cells_;
   std::vector<Eigen::Vector3f> bearings_;  // of the cells of the depth buffer; zero where there is none
+  // Smallest and largest range within reach of each cell, where no surface counts as infinitely far. They settle most
+  // points without a look at every cell.
+  RangeImage nearest_around_;
+  RangeImage farthest_around_;
 };
 
 /// Bilinear interpolation; pixels beyond the border repeat the border.

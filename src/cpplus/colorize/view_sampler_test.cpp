@@ -39,7 +39,7 @@ class ViewSamplerTest : public testing::Test {
  protected:
   ColorView view_ = half_covered_view();
   ViewSamplingOptions options_;
-  std::optional<ColorSample> sample(const Eigen::Vector3d& x, const Eigen::Vector3d& normal = kFacing) {
+  std::optional<ViewSample> sample(const Eigen::Vector3d& x, const Eigen::Vector3d& normal = kFacing) {
     return ViewSampler(view_, options_).sample(x, normal);
   }
 };

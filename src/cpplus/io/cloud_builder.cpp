@@ -49,6 +49,8 @@ CloudBuilder::CloudBuilder(const std::string& path, size_t num_points, const std
   if (has(PointRole::kPackedRgb) || has(PointRole::kRed)) cloud_.colors.resize(num_points);
   if (has(PointRole::kStamp)) cloud_.stamps_s.resize(num_points);
   if (has(PointRole::kNumViews)) cloud_.num_views.resize(num_points);
+  if (has(PointRole::kBestImage)) cloud_.best_images.resize(num_points);
+  if (has(PointRole::kColorSpread)) cloud_.color_spreads.resize(num_points);
   rounds_ = std::any_of(fields.begin(), fields.end(), [](const PointField& field) {
     return field.role >= PointRole::kX && field.role <= PointRole::kZ && field.type != ScalarType::kFloat32;
   });
@@ -92,6 +94,12 @@ void CloudBuilder::set(size_t point, PointRole role, double value) {
     case PointRole::kNumViews:
       cloud_.num_views[point] = clamped<uint16_t>(value);
       return;
+    case PointRole::kBestImage:
+      cloud_.best_images[point] = clamped<uint32_t>(value);
+      return;
+    case PointRole::kColorSpread:
+      cloud_.color_spreads[point] = clamped<uint8_t>(value);
+      return;
   }
 }
 
@@ -124,6 +132,8 @@ PointCloud CloudBuilder::finish(ReadCounts* counts) {
       keep(&cloud_.colors, kept, i);
       keep(&cloud_.stamps_s, kept, i);
       keep(&cloud_.num_views, kept, i);
+      keep(&cloud_.best_images, kept, i);
+      keep(&cloud_.color_spreads, kept, i);
     }
     ++kept;
   }
@@ -139,6 +149,8 @@ PointCloud CloudBuilder::finish(ReadCounts* counts) {
   shorten(&cloud_.colors);
   shorten(&cloud_.stamps_s);
   shorten(&cloud_.num_views);
+  shorten(&cloud_.best_images);
+  shorten(&cloud_.color_spreads);
   if (counts != nullptr) {
     *counts = {in_file, dropped.size(),
                rounds_ || !cloud_.origin.isZero(0.0) ? float_rounding(farthest.maxCoeff()) : 0.0, std::move(dropped)};

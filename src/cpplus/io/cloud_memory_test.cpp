@@ -28,7 +28,8 @@ size_t memory_bytes(const std::string& name) {
 size_t cloud_bytes(const PointCloud& cloud) {
   return cloud.positions.size() * sizeof(Eigen::Vector3f) + cloud.intensities.size() * sizeof(float) +
          cloud.colors.size() * sizeof(Rgb) + cloud.stamps_s.size() * sizeof(double) +
-         cloud.num_views.size() * sizeof(uint16_t);
+         cloud.num_views.size() * sizeof(uint16_t) + cloud.best_images.size() * sizeof(uint32_t) +
+         cloud.color_spreads.size();
 }
 
 /// Runs the function in a process of its own and returns its result, 0..255. Memory that this process has used and

@@ -127,28 +127,55 @@ void put_record(ByteWriter* writer, const LasRecord& record) {
   writer->put_bytes(reinterpret_cast<const char*>(record.content.data()), record.content.size());
 }
 
-/// The description of the one extra field.
-LasRecord num_views_record() {
+/// The extra bytes of a cloud's points: their description, and how many they are.
+struct ExtraBytes {
+  std::vector<uint8_t> entries;
+  size_t size = 0;
+
+  /// `type`: as LAS 1.4 numbers them: 1 uint8, 3 uint16, 5 uint32.
+  void add(uint8_t type, size_t num_bytes, const std::string& name, const std::string& description) {
+    const size_t start = entries.size();
+    entries.resize(start + kExtraBytesEntrySize, 0);
+    entries[start + 2] = type;
+    std::copy(name.begin(), name.end(), entries.begin() + static_cast<std::ptrdiff_t>(start + 4));
+    std::copy(description.begin(), description.end(), entries.begin() + static_cast<std::ptrdiff_t>(start + 160));
+    size += num_bytes;
+  }
+};
+
+ExtraBytes extra_bytes_of(const PointCloud& cloud) {
+  ExtraBytes extra;
+  if (!cloud.num_views.empty()) extra.add(3, 2, "num_views", "images that see the point");
+  if (!cloud.best_images.empty()) extra.add(5, 4, "best_image", "id of the image that counts");
+  if (!cloud.color_spreads.empty()) extra.add(1, 1, "color_spread", "RMS of images, grey levels");
+  return extra;
+}
+
+LasRecord extra_bytes_record(const ExtraBytes& extra) {
   LasRecord record;
   record.user_id = "LASF_Spec";
   record.record_id = 4;
   record.description = "extra bytes";
-  record.content.resize(kExtraBytesEntrySize, 0);
-  record.content[2] = 3;  // unsigned short
-  const auto put = [&](size_t offset, const std::string& text) {
-    std::copy(text.begin(), text.end(), record.content.begin() + static_cast<std::ptrdiff_t>(offset));
-  };
-  put(4, "num_views");
-  put(160, "images that see the point");
+  record.content = extra.entries;
   return record;
 }
 
-void put_header(const PointCloud& cloud, const Grid& grid, int point_format, const std::vector<LasRecord>& records,
-                ByteWriter* writer) {
+constexpr uint16_t kWktEncodingBit = 0x10;
+
+/// Formats 0 to 3 (stamps +1, colour +2) are what every program reads. A coordinate system in WKT and more than 2^32 -
+/// 1 points ask for the newer 6 (stamps) and 7 (stamps and colour).
+int choose_point_format(const PointCloud& cloud, const LasFrame& frame) {
+  const bool is_new =
+      (frame.global_encoding & kWktEncodingBit) != 0 || cloud.size() > std::numeric_limits<uint32_t>::max();
+  if (is_new) return cloud.colors.empty() ? 6 : 7;
+  return (cloud.stamps_s.empty() ? 0 : 1) + (cloud.colors.empty() ? 0 : 2);
+}
+
+void put_header(const PointCloud& cloud, const Grid& grid, int point_format, size_t record_size,
+                const std::vector<LasRecord>& records, ByteWriter* writer) {
   size_t points_offset = kHeaderSize;
   for (const LasRecord& record : records) points_offset += kRecordHeaderSize + record.content.size();
-  const size_t record_size = las_record_size(point_format) + (cloud.num_views.empty() ? 0 : sizeof(uint16_t));
-  const uint64_t legacy_count = cloud.size() <= std::numeric_limits<uint32_t>::max() ? cloud.size() : 0;
+  const uint64_t legacy_count = point_format < 6 ? cloud.size() : 0;
   writer->put_bytes("LASF", 4);
   writer->put<uint16_t>(0);
   writer->put<uint16_t>(grid.frame.global_encoding);
@@ -179,21 +206,28 @@ void put_header(const PointCloud& cloud, const Grid& grid, int point_format, con
   for (const LasRecord& record : records) put_record(writer, record);
 }
 
-void put_point(const PointCloud& cloud, const Grid& grid, double intensity_scale, size_t i, ByteWriter* writer) {
+void put_point(const PointCloud& cloud, const Grid& grid, int point_format, double intensity_scale, size_t i,
+               ByteWriter* writer) {
   for (int axis = 0; axis < 3; ++axis) {
     writer->put(static_cast<int32_t>(grid.steps(cloud, cloud.positions[i], axis)));
   }
   writer->put<uint16_t>(cloud.intensities.empty() ? 0 : to_uint16(cloud.intensities[i] * intensity_scale));
-  constexpr uint8_t kFirstOfOneReturn = 1 | 1 << 3;
-  writer->put<uint8_t>(kFirstOfOneReturn);
-  put_zeros(writer, 5);  // class, scan angle, user data, source
-  if (!cloud.stamps_s.empty()) writer->put(cloud.stamps_s[i]);
+  const bool is_new = point_format >= 6;
+  writer->put<uint8_t>(is_new ? 1 | 1 << 4 : 1 | 1 << 3);  // the first of one return
+  put_zeros(writer, is_new ? 7 : 5);                       // flags, class, scan angle, user data, source
+  if (!cloud.stamps_s.empty()) {
+    writer->put(cloud.stamps_s[i]);
+  } else if (is_new) {
+    writer->put(0.0);
+  }
   if (!cloud.colors.empty()) {
     constexpr uint16_t kToSixteenBits = 257;
     for (const uint8_t channel : cloud.colors[i])
       writer->put<uint16_t>(static_cast<uint16_t>(channel * kToSixteenBits));
   }
   if (!cloud.num_views.empty()) writer->put(cloud.num_views[i]);
+  if (!cloud.best_images.empty()) writer->put(cloud.best_images[i]);
+  if (!cloud.color_spreads.empty()) writer->put(cloud.color_spreads[i]);
 }
 
 }  // namespace
@@ -233,14 +267,15 @@ PointCloud read_las(const std::string& path, ReadCounts* counts) {
 
 void write_las(const std::string& path, const PointCloud& cloud) {
   const Grid grid = choose_grid(path, cloud);
-  const int point_format = (cloud.stamps_s.empty() ? 0 : 1) + (cloud.colors.empty() ? 0 : 2);
+  const int point_format = choose_point_format(cloud, grid.frame);
+  const ExtraBytes extra = extra_bytes_of(cloud);
   const double intensity_scale = intensity_factor(cloud.intensities);
   std::vector<LasRecord> records = grid.frame.projection;
-  if (!cloud.num_views.empty()) records.push_back(num_views_record());
+  if (extra.size > 0) records.push_back(extra_bytes_record(extra));
   AtomicFile file(path);
   ByteWriter writer(&file.stream());
-  put_header(cloud, grid, point_format, records, &writer);
-  for (size_t i = 0; i < cloud.size(); ++i) put_point(cloud, grid, intensity_scale, i, &writer);
+  put_header(cloud, grid, point_format, las_record_size(point_format) + extra.size, records, &writer);
+  for (size_t i = 0; i < cloud.size(); ++i) put_point(cloud, grid, point_format, intensity_scale, i, &writer);
   writer.flush();
   file.commit();
 }

@@ -8,11 +8,14 @@
 namespace cpplus {
 
 /// Reads LAS 1.2 to 1.4 with point formats 0-3 and 6-8: positions, intensity (0..65535), GPS time as it stands, colour
-/// (16-bit, or 8-bit where no channel of the file exceeds 255), and the extra bytes "num_views". The file's grid and
+/// (16-bit, or 8-bit where no channel of the file exceeds 255), and the extra bytes "num_views", "best_image" and
+/// "color_spread". The file's grid and
 /// coordinate system are kept in PointCloud::las_frame.
 PointCloud read_las(const std::string& path, ReadCounts* counts);
 
-/// Writes LAS 1.4 with point format 0 (bare), 1 (stamps), 2 (colour) or 3 (both), and view counts as extra bytes.
+/// Writes LAS 1.4 with point format 0 (bare), 1 (stamps), 2 (colour) or 3 (both); 6 or 7 (colour), which always have a
+/// stamp (0 without stamps), where the coordinate system is WKT or the points are too many for the others. View counts,
+/// best images and spreads of colour are extra bytes.
 ///
 /// Coordinates go onto the grid of the cloud's las_frame; a cloud read from LAS gets back its very integers as long as
 /// it reaches less than 2^23 steps from its origin (8 km at a scale of 1 mm; float32 offsets carry no more). Without a

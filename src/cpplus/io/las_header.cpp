@@ -37,6 +37,12 @@ ScalarType extra_bytes_type(int data_type) {
   return kTypes[data_type - 1];
 }
 
+PointRole extra_bytes_role(const std::string& name) {
+  if (name == "num_views") return PointRole::kNumViews;
+  if (name == "best_image") return PointRole::kBestImage;
+  return name == "color_spread" ? PointRole::kColorSpread : PointRole::kNone;
+}
+
 /// Looks for the extra bytes that write_las adds.
 void add_extra_fields(const std::vector<uint8_t>& entries, LasHeader* header) {
   size_t offset = las_record_size(header->point_format);
@@ -49,8 +55,10 @@ void add_extra_fields(const std::vector<uint8_t>& entries, LasHeader* header) {
       continue;
     }
     const ScalarType type = extra_bytes_type(data_type);
-    if (load_text(&entries[i + 4], 32) == "num_views" && offset + scalar_size(type) <= header->record_size) {
-      header->fields.push_back({"num_views", type, 1, offset, PointRole::kNumViews});
+    const std::string name = load_text(&entries[i + 4], 32);
+    const PointRole role = extra_bytes_role(name);
+    if (role != PointRole::kNone && offset + scalar_size(type) <= header->record_size) {
+      header->fields.push_back({name, type, 1, offset, role});
     }
     offset += scalar_size(type);
   }

@@ -95,7 +95,7 @@ TEST_F(LasTest, RoundTripKeepsIntegersGridAndCoordinateSystem) {
   const std::string back = read("b.las");
   BlockReader reader(path("b.las"));
   const LasHeader header = read_las_header(&reader);
-  EXPECT_EQ(header.point_format, 3);
+  EXPECT_EQ(header.point_format, 7) << "WKT asks for one of the newer formats";
   EXPECT_EQ(header.num_points, 2u);
   EXPECT_EQ(header.frame.scale, cloud.las_frame->scale);
   EXPECT_EQ(header.frame.offset, cloud.las_frame->offset);
@@ -108,8 +108,8 @@ TEST_F(LasTest, RoundTripKeepsIntegersGridAndCoordinateSystem) {
   EXPECT_NEAR(header.min.z(), -12.345, 1e-8);
   // X, Y, Z as integers: 7 km apart and still the same. The first 14 bytes of a record also hold the intensity.
   for (const size_t i : {0, 1}) {
-    EXPECT_EQ(back.substr(reader.position() + 34 * i, 14), file.substr(227 + 61 + 34 * i, 14)) << i;
-    EXPECT_EQ(back.substr(reader.position() + 34 * i + 20, 8), file.substr(227 + 61 + 34 * i + 20, 8)) << i;
+    EXPECT_EQ(back.substr(reader.position() + 36 * i, 14), file.substr(227 + 61 + 34 * i, 14)) << i;
+    EXPECT_EQ(back.substr(reader.position() + 36 * i + 22, 8), file.substr(227 + 61 + 34 * i + 20, 8)) << i;
   }
 }
 
@@ -138,6 +138,8 @@ TEST_F(LasTest, CloudWithoutFrameComesBackWithinATenthOfAMillimetre) {
     cloud.colors.push_back({static_cast<uint8_t>(i), static_cast<uint8_t>(i / 3), 255});
     cloud.stamps_s.push_back(1.7e9 + 0.001 * i);
     cloud.num_views.push_back(static_cast<uint16_t>(i % 7));
+    cloud.best_images.push_back(4000000000u - static_cast<uint32_t>(i));
+    cloud.color_spreads.push_back(static_cast<uint8_t>(i % 251));
   }
   write_point_cloud(path("a.las"), cloud);
   const PointCloud back = read_point_cloud(path("a.las"));
@@ -149,6 +151,29 @@ TEST_F(LasTest, CloudWithoutFrameComesBackWithinATenthOfAMillimetre) {
   EXPECT_EQ(back.colors, cloud.colors);
   EXPECT_EQ(back.stamps_s, cloud.stamps_s);
   EXPECT_EQ(back.num_views, cloud.num_views);
+  EXPECT_EQ(back.best_images, cloud.best_images);
+  EXPECT_EQ(back.color_spreads, cloud.color_spreads);
+}
+
+TEST_F(LasTest, TheNewerFormatsGiveBackColoursAndExtraBytes) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}, {4, 5, 6}};
+  cloud.colors = {{1, 2, 3}, {250, 251, 252}};
+  cloud.num_views = {0, 300};
+  cloud.best_images = {0, 70000};
+  cloud.color_spreads = {0, 17};
+  cloud.las_frame.emplace();
+  for (const uint16_t encoding : {0x00, 0x10}) {
+    cloud.las_frame->global_encoding = encoding;
+    write_point_cloud(path("a.las"), cloud);
+    BlockReader reader(path("a.las"));
+    EXPECT_EQ(read_las_header(&reader).point_format, encoding == 0 ? 2 : 7);
+    const PointCloud back = read_point_cloud(path("a.las"));
+    EXPECT_EQ(back.colors, cloud.colors);
+    EXPECT_EQ(back.num_views, cloud.num_views);
+    EXPECT_EQ(back.best_images, cloud.best_images);
+    EXPECT_EQ(back.color_spreads, cloud.color_spreads);
+  }
 }
 
 TEST_F(LasTest, ColorsOfEightBitsStayAsTheyAre) {

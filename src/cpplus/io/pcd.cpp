@@ -264,6 +264,8 @@ void write_pcd(const std::string& path, const PointCloud& cloud) {
   if (!cloud.colors.empty()) add("rgb", 'F', 4);
   if (!cloud.stamps_s.empty()) add("timestamp", 'F', 8);
   if (!cloud.num_views.empty()) add("num_views", 'U', 2);
+  if (!cloud.best_images.empty()) add("best_image", 'U', 4);
+  if (!cloud.color_spreads.empty()) add("color_spread", 'U', 1);
 
   AtomicFile file(path);
   file.stream() << fmt::format(
@@ -281,6 +283,8 @@ void write_pcd(const std::string& path, const PointCloud& cloud) {
     }
     if (!cloud.stamps_s.empty()) writer.put(cloud.stamps_s[i]);
     if (!cloud.num_views.empty()) writer.put(cloud.num_views[i]);
+    if (!cloud.best_images.empty()) writer.put(cloud.best_images[i]);
+    if (!cloud.color_spreads.empty()) writer.put(cloud.color_spreads[i]);
   }
   writer.flush();
   file.commit();

@@ -28,7 +28,8 @@ PcdHeader read_pcd_header(BlockReader* reader);
 PointCloud read_pcd(const std::string& path, ReadCounts* counts);
 
 /// Writes PCD 0.7 binary. Coordinates are float32 where the cloud's origin is zero, else float64; colour is PCL's
-/// packed "rgb", the stamp a float64 "timestamp", the number of views a uint16 "num_views".
+/// packed "rgb", the stamp a float64 "timestamp", the number of views a uint16 "num_views",
+/// the best image a uint32 "best_image", the spread of the colour a uint8 "color_spread".
 void write_pcd(const std::string& path, const PointCloud& cloud);
 
 }  // namespace cpplus

@@ -232,6 +232,8 @@ void write_ply(const std::string& path, const PointCloud& cloud) {
   if (!cloud.colors.empty()) stream << "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (!cloud.stamps_s.empty()) stream << "property double timestamp\n";
   if (!cloud.num_views.empty()) stream << "property ushort num_views\n";
+  if (!cloud.best_images.empty()) stream << "property uint best_image\n";
+  if (!cloud.color_spreads.empty()) stream << "property uchar color_spread\n";
   stream << "end_header\n";
   ByteWriter writer(&stream);
   for (size_t i = 0; i < cloud.size(); ++i) {
@@ -243,6 +245,8 @@ void write_ply(const std::string& path, const PointCloud& cloud) {
     }
     if (!cloud.stamps_s.empty()) writer.put(cloud.stamps_s[i]);
     if (!cloud.num_views.empty()) writer.put(cloud.num_views[i]);
+    if (!cloud.best_images.empty()) writer.put(cloud.best_images[i]);
+    if (!cloud.color_spreads.empty()) writer.put(cloud.color_spreads[i]);
   }
   writer.flush();
   file.commit();

@@ -39,7 +39,8 @@ PlyHeader read_ply_header(BlockReader* reader);
 PointCloud read_ply(const std::string& path, ReadCounts* counts);
 
 /// Writes binary little-endian PLY. Coordinates are float where the cloud's origin is zero, else double; then
-/// "intensity", "red" "green" "blue", "timestamp" and "num_views" where the cloud has them.
+/// "intensity", "red" "green" "blue", "timestamp", "num_views", "best_image" and "color_spread" where the cloud has
+/// them.
 void write_ply(const std::string& path, const PointCloud& cloud);
 
 }  // namespace cpplus

@@ -90,6 +90,8 @@ TEST_F(PlyTest, WrittenCloudComesBackExactly) {
     cloud.colors.push_back({static_cast<uint8_t>(i), static_cast<uint8_t>(i / 3), 255});
     cloud.stamps_s.push_back(1.7e9 + 0.001 * i);
     cloud.num_views.push_back(static_cast<uint16_t>(i % 7));
+    cloud.best_images.push_back(4000000000u - static_cast<uint32_t>(i));
+    cloud.color_spreads.push_back(static_cast<uint8_t>(i % 251));
   }
   write_point_cloud(path("w.PLY"), cloud);
   const PointCloud back = read_point_cloud(path("w.PLY"));
@@ -100,6 +102,8 @@ TEST_F(PlyTest, WrittenCloudComesBackExactly) {
   EXPECT_EQ(back.colors, cloud.colors);
   EXPECT_EQ(back.stamps_s, cloud.stamps_s);
   EXPECT_EQ(back.num_views, cloud.num_views);
+  EXPECT_EQ(back.best_images, cloud.best_images);
+  EXPECT_EQ(back.color_spreads, cloud.color_spreads);
 }
 
 TEST_F(PlyTest, LyingHeadersAndBrokenFilesAreErrors) {

@@ -27,6 +27,8 @@ void check_lengths(const std::string& path, const PointCloud& cloud) {
   check("colors", cloud.colors.size());
   check("stamps", cloud.stamps_s.size());
   check("view counts", cloud.num_views.size());
+  check("best images", cloud.best_images.size());
+  check("colour spreads", cloud.color_spreads.size());
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace cpplus {
 namespace {
 
-constexpr size_t kNumRoles = static_cast<size_t>(PointRole::kNumViews) + 1;
+constexpr size_t kNumRoles = static_cast<size_t>(PointRole::kColorSpread) + 1;
 
 /// The more usual spellings of a role first.
 constexpr std::pair<std::string_view, PointRole> kSpellings[] = {
@@ -40,6 +40,8 @@ constexpr std::pair<std::string_view, PointRole> kSpellings[] = {
     {"b", PointRole::kBlue},
     {"diffuse_blue", PointRole::kBlue},
     {"num_views", PointRole::kNumViews},
+    {"best_image", PointRole::kBestImage},
+    {"color_spread", PointRole::kColorSpread},
 };
 
 std::string bare_name(const std::string& field_name) {

@@ -20,7 +20,21 @@ bool is_floating(ScalarType type);
 double load_scalar(const uint8_t* data, ScalarType type, bool big_endian);
 
 /// What a field of a file means to a PointCloud.
-enum class PointRole { kNone, kX, kY, kZ, kIntensity, kStamp, kRed, kGreen, kBlue, kPackedRgb, kNumViews };
+enum class PointRole {
+  kNone,
+  kX,
+  kY,
+  kZ,
+  kIntensity,
+  kStamp,
+  kRed,
+  kGreen,
+  kBlue,
+  kPackedRgb,
+  kNumViews,
+  kBestImage,
+  kColorSpread
+};
 
 /// A field of the records of a file.
 struct PointField {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "cpplus/core/error.h"
@@ -9,11 +10,14 @@
 #include "cpplus/core/options.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/features/blur.h"
+#include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/cloud_output.h"
+#include "cpplus/pipeline/held_out_images.h"
 #include "cpplus/pipeline/image_folder.h"
+#include "cpplus/report/colorize_report.h"
 #include "cpplus/report/render_cloud.h"
 #include "cpplus/visibility/depth_buffer.h"
 
@@ -24,6 +28,9 @@ namespace {
 /// Edge of a cell of the depth buffer: finer cells leave gaps between the leaves of near surfaces, coarser ones blur
 /// the edges that colours must not cross.
 constexpr double kDepthCellPx = 2.0;
+
+/// Edge of the square that a point is drawn as, in leaves.
+constexpr double kPointLeaves = 0.4;
 
 /// A motion-blurred image gives colours where no sharp one does.
 constexpr double kBlurredWeight = 0.1;
@@ -75,6 +82,8 @@ class ViewReader {
       return std::nullopt;
     }
     view.name = posed.name;
+    view.image_id = posed.id;
+    view.camera_id = posed.camera_id;
     if (measure_blur(to_gray(view.image), {}).blurred) view.weight = kBlurredWeight;
     view.camera = camera;
     view.camera_from_map = posed.camera_from_map;
@@ -91,6 +100,20 @@ class ViewReader {
   std::vector<size_t> used_;
 };
 
+/// Says what the images could not tell.
+void log_exposure(const ColorizeResult& result) {
+  const auto num_unknown = std::count_if(result.images.begin(), result.images.end(),
+                                         [](const ColorizedImage& image) { return !image.exposure.determined; });
+  if (num_unknown > 0) {
+    log_info(fmt::format("exposure: {} of {} images share too few points with others and keep theirs", num_unknown,
+                         result.images.size()));
+  }
+  for (const auto& [id, vignetting] : result.vignetting) {
+    if (vignetting.determined) continue;
+    log_info(fmt::format("vignetting of camera {}: not determined by these images, taken as none", id));
+  }
+}
+
 /// The photo beside the coloured cloud from the same pose: DIR/STEM.png with the folders of NAME joined by "_".
 void write_debug_images(const ColorizeCommandOptions& options, const SparseModel& model,
                         const std::vector<size_t>& images, const PointCloud& cloud) {
@@ -99,7 +122,7 @@ void write_debug_images(const ColorizeCommandOptions& options, const SparseModel
     const PosedImage& posed = model.images[index];
     const Camera& camera = model.cameras.at(posed.camera_id);
     const ColorImage rendering =
-        render_cloud(cloud, camera, posed.camera_from_map, 0.4 * options.voxel_map.leaf_size_m);
+        render_cloud(cloud, camera, posed.camera_from_map, kPointLeaves * options.voxel_map.leaf_size_m);
     const ColorImage photo = read_color_image(image_path(options.images, posed.name));
     write_png(image_path(options.debug_images, debug_image_name(posed.name)), side_by_side(photo, rendering));
   }
@@ -112,6 +135,7 @@ void ColorizeCommandOptions::validate() const {
   require_option("images", images);
   require_option("poses", poses);
   require_option("out", out);
+  check_option(hold_out >= 0 && hold_out != 1, "hold_out", "0 or [2, inf)", hold_out);
   voxel_map.validate();
   color.validate();
 }
@@ -122,13 +146,15 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   const SparseModel model = read_sparse_model(options.poses);
   const ImageFolder folder = find_images(options.images, model);
   warn_of_unmatched(options.images, model, folder);
+  const HeldOutSplit split = split_images(folder.with_file, options.hold_out);
+  const SparseModel held_out_model = options.hold_out_poses.empty() ? model : read_sparse_model(options.hold_out_poses);
   PointCloud cloud = read_point_cloud(options.map);
   const VoxelMap map(cloud, options.voxel_map);
 
   ColorizeResult result;
   std::vector<size_t> used;
   {
-    ViewReader reader(options, model, folder.with_file, map);
+    ViewReader reader(options, model, split.colored, map);
     result = colorize(
         std::move(cloud), map, [&] { return reader.next(); }, options.color);
     used = reader.used();
@@ -138,9 +164,15 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
     throw Error(fmt::format("{}: no image sees a point of {} within {} m; same frame, and metres?", options.poses,
                             options.map, options.color.sampling.max_distance_m));
   }
+  if (options.color.exposure.gains && options.color.exposure.vignetting) log_exposure(result);
   write_point_cloud(options.out, result.cloud);
+  const std::vector<HeldOutImage> held_out = compare_held_out(options.images, model, split.held_out, held_out_model,
+                                                              result, kPointLeaves * options.voxel_map.leaf_size_m);
+  if (!options.report.empty()) write_text_file(options.report, colorize_report_json(result, held_out));
   if (!options.debug_images.empty()) write_debug_images(options, model, used, result.cloud);
-  return {result.cloud.size(), result.num_colored, used.size(), model.images.size() - used.size()};
+  return {result.cloud.size(), result.num_colored,
+          used.size(),         model.images.size() - used.size() - split.held_out.size(),
+          held_out.size(),     total_difference(held_out)};
 }
 
 }  // namespace cpplus

@@ -5,6 +5,7 @@
 
 #include "cpplus/cloud/voxel_map.h"
 #include "cpplus/colorize/colorize.h"
+#include "cpplus/evaluate/image_difference.h"
 
 namespace cpplus {
 
@@ -19,6 +20,12 @@ struct ColorizeCommandOptions {
   std::string out;
   /// Folder for a picture an image: the photo beside the coloured cloud from its pose; "" = none.
   std::string debug_images;
+  /// Every how many images one gives no colour and is foretold by the coloured cloud instead; 0 = none. [0, inf), not 1
+  int hold_out = 0;
+  /// COLMAP model folder with better poses of the held-out images, to foretell them from; "" = `poses`.
+  std::string hold_out_poses;
+  /// JSON file for gains, vignetting and how well held-out images are foretold; "" = none.
+  std::string report;
   VoxelMapOptions voxel_map;
   ColorizeOptions color;
 
@@ -31,6 +38,11 @@ struct ColorizeCommandOptions {
     visitor("out", out, "Coloured cloud to be written; the extension (.pcd .ply .las) gives the format. Required.");
     visitor("debug_images", debug_images,
             "Folder for pictures of each photo beside the coloured cloud from its pose; empty = none.");
+    visitor("hold_out", hold_out,
+            "Every how many images one gives no colour and is compared with a rendering instead; 0 = none.");
+    visitor("hold_out_poses", hold_out_poses,
+            "COLMAP model folder with the poses held-out images are rendered from; empty = those of `poses`.");
+    visitor("report", report, "JSON file for gains, vignetting and the held-out images; empty = none.");
     visitor.group("voxel_map", voxel_map);
     visitor.group("color", color);
   }
@@ -41,11 +53,14 @@ struct ColorizeSummary {
   size_t num_colored = 0;  // points that at least one image shows
   size_t num_images = 0;   // images that gave colours
   size_t num_skipped = 0;  // images of the model that are missing or cannot be used
+  size_t num_held_out = 0;
+  ImageDifference held_out;  // of all held-out images together
 };
 
-/// Reads map, poses and images (one at a time), colours the points, and writes the cloud. An image that is missing,
-/// broken or of another size than its camera is skipped with a warning. Throws Error naming the file for anything else
-/// that cannot be read or written, and where no image sees a point of the map; nothing is written then.
+/// Reads map, poses and images (one at a time, each once unless it is drawn), colours the points, and writes the cloud.
+/// An image that is missing, broken or of another size than its camera is skipped with a warning. Throws Error naming
+/// the file for anything else that cannot be read or written, and where no image sees a point of the map; nothing is
+/// written then.
 ColorizeSummary run_colorize(const ColorizeCommandOptions& options);
 
 }  // namespace cpplus

@@ -52,6 +52,8 @@ Lines describe_cloud(const std::string& path) {
   if (!cloud.colors.empty()) attributes += " colour";
   if (!cloud.stamps_s.empty()) attributes += " time";
   if (!cloud.num_views.empty()) attributes += " views";
+  if (!cloud.best_images.empty()) attributes += " best-image";
+  if (!cloud.color_spreads.empty()) attributes += " colour-spread";
   return {fmt::format("{}: point cloud, {}", path, counted(cloud.size(), "point")),
           fmt::format("  dropped as not finite: {}", counts.dropped_non_finite),
           fmt::format("  extent: {}", box_text(box)),

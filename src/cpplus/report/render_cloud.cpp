@@ -14,10 +14,11 @@ constexpr int kMaxRadiusPx = 7;
 
 }  // namespace
 
-ColorImage render_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
-                        double point_size_m) {
+CloudRendering render_colored_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
+                                    double point_size_m) {
   if (cloud.colors.size() != cloud.size()) throw Error("a cloud without colours cannot be rendered");
-  ColorImage picture(camera.width(), camera.height(), kBackground);
+  CloudRendering rendering{ColorImage(camera.width(), camera.height(), kBackground),
+                           Image<uint8_t>(camera.width(), camera.height(), 0)};
   RangeImage ranges(camera.width(), camera.height());
   for (size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3d x_in_camera = camera_from_map * cloud.point(i);
@@ -26,18 +27,25 @@ ColorImage render_cloud(const PointCloud& cloud, const Camera& camera, const Rig
     const float range = static_cast<float>(x_in_camera.norm());
     const double half_size_px = 0.5 * point_size_m * camera.pixels_per_radian() / static_cast<double>(range);
     const int radius = static_cast<int>(std::lround(std::min(half_size_px, double{kMaxRadiusPx})));
+    const uint8_t colored = cloud.num_views.empty() || cloud.num_views[i] > 0 ? 1 : 0;
     const Eigen::Vector2i center = (pixel->array() + 0.5).floor().cast<int>();
     for (int y = center.y() - radius; y <= center.y() + radius; ++y) {
       for (int x = center.x() - radius; x <= center.x() + radius; ++x) {
-        if (!picture.contains(x, y)) continue;
+        if (!rendering.picture.contains(x, y)) continue;
         float& nearest = ranges.at(x, y);
         if (nearest != 0.0f && nearest <= range) continue;
         nearest = range;
-        picture.at(x, y) = cloud.colors[i];
+        rendering.picture.at(x, y) = cloud.colors[i];
+        rendering.colored.at(x, y) = colored;
       }
     }
   }
-  return picture;
+  return rendering;
+}
+
+ColorImage render_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
+                        double point_size_m) {
+  return render_colored_cloud(cloud, camera, camera_from_map, point_size_m).picture;
 }
 
 ColorImage side_by_side(const ColorImage& left, const ColorImage& right) {

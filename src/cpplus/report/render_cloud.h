@@ -7,9 +7,19 @@
 
 namespace cpplus {
 
+struct CloudRendering {
+  ColorImage picture;
+  Image<uint8_t> colored;  // 1 where the point in front has the colour of an image (num_views > 0)
+};
+
 /// A picture of the coloured cloud as the camera sees it: each point is a square of point_size_m at its distance
 /// (between 1 and 15 pixels), nearer ones cover farther ones. Pixels that no point covers are dark blue. The cloud must
-/// have colours; points that no image gave a colour to (num_views 0) are drawn as they are. Linear in the points.
+/// have colours; points that no image gave a colour to (num_views 0) are drawn as they are, but not `colored`; a cloud
+/// without view counts is colored wherever it is drawn. Linear in the points.
+CloudRendering render_colored_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
+                                    double point_size_m);
+
+/// Only the picture.
 ColorImage render_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
                         double point_size_m);
 

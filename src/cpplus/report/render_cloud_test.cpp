@@ -40,6 +40,17 @@ TEST(RenderCloud, PointsBeyondTheBorderShowTheirPart) {
   EXPECT_EQ(count(render_cloud(cloud, kCamera, Rigid3(), 0.04), kRed), 2u * 5u);
 }
 
+TEST(RenderCloud, SaysWhereAnImageGaveTheColour) {
+  PointCloud cloud;
+  cloud.positions = {{0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 2.0f}, {0.1f, 0.0f, 2.0f}};
+  cloud.colors = {kRed, kGreen, kGreen};
+  cloud.num_views = {0, 3, 3};
+  const CloudRendering rendering = render_colored_cloud(cloud, kCamera, Rigid3(), 0.04);
+  EXPECT_EQ(rendering.colored.at(10, 8), 0) << "a point without a colour hides one with";
+  EXPECT_EQ(rendering.colored.at(15, 8), 1);
+  EXPECT_EQ(std::count(rendering.colored.pixels.begin(), rendering.colored.pixels.end(), 1), 9);
+}
+
 TEST(RenderCloud, NeedsColours) {
   PointCloud cloud;
   cloud.positions = {{0.0f, 0.0f, 1.0f}};

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cpplus/colorize/color_samples.h"
+#include "cpplus/colorize/exposure.h"
+#include "cpplus/colorize/robust_color.h"
+#include "cpplus/core/image.h"
+
+namespace cpplus {
+
+/// Log light of the kept samples of points that several images see, for estimate_exposure: at most 20000 points or 400
+/// an image, evenly over the map. Samples with a channel near white (clipped) or with hardly any light are left out.
+ExposureObservations collect_exposure_observations(const ColorSamples& samples, size_t num_images);
+
+/// Divides gain and vignetting out of samples, in linear light.
+class ExposureCorrection {
+ public:
+  ExposureCorrection(const ExposureModel& model, const std::vector<uint32_t>& camera_of_image);
+
+  /// The sample as an image of gain 1 without vignetting shows it; brighter than white stays white.
+  WeightedColor corrected(const ColorSample& sample) const;
+
+ private:
+  struct PerImage {
+    float factor = 1.0f;
+    uint32_t camera = 0;
+  };
+  std::vector<PerImage> images_;
+  std::vector<std::array<float, 256>> cameras_;  // factor by radius
+  std::vector<bool> is_changed_;                 // by image: anything to divide out
+};
+
+/// Darkens a picture towards its corners as a camera with that vignetting does: what ExposureCorrection takes out.
+void apply_vignetting(const VignettingCoefficients& coefficients, ColorImage* picture);
+
+}  // namespace cpplus
