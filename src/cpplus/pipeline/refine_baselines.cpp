@@ -72,6 +72,8 @@ ImageReport refine_image_by_lines(const MapFeatures& features, const std::string
   lap("image_edges");
   RefinePoseOptions refine = options.refine;
   refine.search.enabled = false;
+  refine.max_iterations = options.lines.max_iterations;
+  refine.first_radius_px = options.lines.first_radius_px;
   const PoseGuess guess(coarse_camera_from_map, refine.prior.sigmas());
   report.refine = refine_pose(camera, coarse_camera_from_map, guess, view.edges, view.samples, image_edges, refine);
   judge_by_residual(refine, &report);

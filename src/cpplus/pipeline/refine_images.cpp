@@ -58,6 +58,11 @@ size_t count_edges(const std::vector<EdgeSample>& samples) {
   return edges.size();
 }
 
+void LineOptions::validate() const {
+  check_option(max_iterations >= 1, "max_iterations", "[1, inf)", max_iterations);
+  check_option(first_radius_px > 0, "first_radius_px", "(0, inf)", first_radius_px);
+}
+
 void RefineImagesOptions::validate() const {
   voxel_map.validate();
   planes.validate();
@@ -70,6 +75,7 @@ void RefineImagesOptions::validate() const {
   refine.validate();
   patches.validate();
   joint_solve.validate();
+  lines.validate();
   nid.validate();
 }
 

@@ -21,6 +21,22 @@
 
 namespace cpplus {
 
+/// What the baseline of line segments (pipeline/refine_baselines.h) has in place of the options of `refine`, since
+/// it must come home without a search.
+struct LineOptions {
+  /// Rounds of matching and minimising. [1, inf)
+  int max_iterations = 10;
+  /// Samples look for an image edge this far in the first round, pixels. (0, inf)
+  double first_radius_px = 20.0;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("max_iterations", max_iterations, "Rounds of matching and minimising.");
+    visitor("first_radius_px", first_radius_px, "Samples look for an image edge this far in the first round, pixels.");
+  }
+};
+
 /// Options of every stage from a map and an image to a refined pose.
 struct RefineImagesOptions {
   /// The map is one room that is seen whole: no test of what hides what (Cui & Schwertfeger 2022, end of section III).
@@ -36,7 +52,9 @@ struct RefineImagesOptions {
   RefinePoseOptions refine;
   PatchMatchingOptions patches;
   JointOptions joint_solve;
-  NidOptions nid;  // of the baseline alone (pipeline/refine_baselines.h)
+  // Of the baselines alone (pipeline/refine_baselines.h).
+  LineOptions lines;
+  NidOptions nid;
 
   void validate() const;
   template <typename Visitor>
@@ -53,6 +71,7 @@ struct RefineImagesOptions {
     visitor.group("refine", refine);
     visitor.group("patches", patches);
     visitor.group("joint_solve", joint_solve);
+    visitor.group("lines", lines);
     visitor.group("nid", nid);
   }
 };
