@@ -69,6 +69,11 @@ REFINE_HEADER = (
     "| accepted | accepted, but worse | s / image | peak MB |\n"
     "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n"
 )
+METHOD_HEADER = (
+    "| scene | start | method | images | median px | < 1 px | < 2 px | < 5 px | accepted | accepted, but worse "
+    "| s / image |\n"
+    "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n"
+)
 COLORIZE_HEADER = "| scene | points coloured | seconds | peak MB |\n|---|--:|--:|--:|\n"
 
 
@@ -93,6 +98,35 @@ def refine_row(run):
     return "| " + " | ".join(cells) + " |\n"
 
 
+def method_row(run):
+    if run["error"]:
+        return f"| {run['scene']} | {run['start']} | {run['method']} | failed: {run['error']} |" + " |" * 7 + "\n"
+    f = run["figures"]
+    cells = [
+        run["scene"],
+        run["start"],
+        run["method"],
+        str(f["num_images"]),
+        number(f["after_median_px"], 2),
+        *(percent(f[f"share_under_{threshold:.0f}_px"]) for threshold in THRESHOLDS_PX),
+        str(f["num_accepted"]),
+        str(f["num_accepted_worse"]),
+        number(f["seconds_per_image"], 2),
+    ]
+    return "| " + " | ".join(cells) + " |\n"
+
+
+def by_scene_and_start(runs):
+    """The runs of a scene and start together, in the order in which each pair first occurs, then by median."""
+    order = list(dict.fromkeys((run["scene"], run["start"]) for run in runs))
+
+    def key(run):
+        median = run["figures"]["after_median_px"] if run["figures"] else None
+        return order.index((run["scene"], run["start"])), float("inf") if median is None else median
+
+    return sorted(runs, key=key)
+
+
 def colorize_row(run):
     result = f"failed: {run['error']}" if run["error"] else percent(run["share_colored"])
     return f"| {run['scene']} | {result} | {number(run['seconds'], 1)} | {number(run['peak_mb'], 0)} |\n"
@@ -113,6 +147,8 @@ def markdown(results):
         REFINE_HEADER,
         *(refine_row(run) for run in results["refine"]),
     ]
+    if results["methods"]:
+        lines += ["\n", METHOD_HEADER, *(method_row(run) for run in by_scene_and_start(results["methods"]))]
     if results["colorize"]:
         lines += ["\n", COLORIZE_HEADER, *(colorize_row(run) for run in results["colorize"])]
     return "".join(lines)

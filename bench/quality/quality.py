@@ -69,10 +69,10 @@ def refine_once(program, scene, out, images, start, reference, refine_options, m
     return before, after, json.loads((out / "report.json").read_text()), seconds, peak_mb
 
 
-def refine_run(kind, scene, start_name, trials):
+def refine_run(kind, scene, start_name, trials, method="cp_plus"):
     """One row of the table: the images of all `trials`, functions that return what refine_once() does, together."""
-    run = {"scene": scene.name, "start": start_name, "kind": kind, "error": "", "figures": None, "peak_mb": None,
-           "seconds": None}
+    run = {"scene": scene.name, "start": start_name, "kind": kind, "method": method, "error": "", "figures": None,
+           "peak_mb": None, "seconds": None}
     try:
         results = [trial() for trial in trials]
         before, after, reports = (figures.merge(r[k] for r in results) for k in range(3))
@@ -84,8 +84,8 @@ def refine_run(kind, scene, start_name, trials):
     return run
 
 
-def truth_runs(program, scene, out, settings):
-    """A scene with exact truth, from each of its coarse starts."""
+def truth_runs(program, scene, out, settings, method="cp_plus"):
+    """A scene with exact truth, from each of its coarse starts (of those asked for)."""
     options = shlex.split(settings.refine)
     if (scene / "stamps.txt").exists():
         options += ["--stamps", scene / "stamps.txt"]
@@ -94,12 +94,23 @@ def truth_runs(program, scene, out, settings):
     measure = ["--depth", scene / "truth" / "depth", "--depth-poses", scene / "truth"]
     if (scene / "truth" / "blurred.txt").exists():
         measure += ["--exclude", scene / "truth" / "blurred.txt"]
+    if method != "cp_plus":
+        options += ["--method", method]
     by_size = {"coarse_small": 0, "coarse_medium": 1, "coarse_large": 2}
     for start in sorted(scene.glob("coarse_*"), key=lambda path: (by_size.get(path.name, 3), path.name)):
+        if settings.start and start.name not in settings.start:
+            continue
         folder = out / scene.name / start.name
         yield refine_run("truth", scene, start.name,
                          [lambda s=start, f=folder: refine_once(program, scene, f, scene / "images", s,
-                                                                scene / "truth" / "on_map", options, measure)])
+                                                                scene / "truth" / "on_map", options, measure)], method)
+
+
+def method_runs(program, scene, out, settings):
+    """A scene with exact truth by each method of the comparison; cp_plus is in the first table already."""
+    for method in settings.methods:
+        if method != "cp_plus":
+            yield from truth_runs(program, scene, out / method, settings, method)
 
 
 def recorded_runs(program, scene, out, settings):
@@ -156,12 +167,27 @@ def find_scenes(data, wanted):
     return truth, recorded
 
 
+METHODS = ("cp_plus", "lines", "nid", "none")
+
+
+def method_list(text):
+    methods = text.split(",")
+    for method in methods:
+        if method not in METHODS:
+            raise argparse.ArgumentTypeError(f"'{method}' is none of {', '.join(METHODS)}")
+    return methods
+
+
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("data", type=pathlib.Path, help="folder with the scenes, at any depth")
     parser.add_argument("build", type=pathlib.Path, help="build folder (with apps/cpplus), or the cpplus binary itself")
     parser.add_argument("out", type=pathlib.Path, help="folder for the results")
     parser.add_argument("--scene", action="append", default=[], help="only this scene (may be repeated)")
+    parser.add_argument("--start", action="append", default=[],
+                        help="only this start of the truth scenes, e.g. coarse_medium (may be repeated)")
+    parser.add_argument("--methods", type=method_list, default=["cp_plus"], metavar="LIST",
+                        help="one more table: scene x start x method, e.g. cp_plus,lines,nid,none (truth scenes)")
     parser.add_argument("--trials", type=int, default=20, help="disturbed trials of each recorded scene")
     parser.add_argument("--angle-deg", type=float, default=1.0, help="rotation of a disturbance")
     parser.add_argument("--distance-m", type=float, default=0.05, help="translation of a disturbance")
@@ -186,7 +212,7 @@ def main():
     results = {"date": datetime.date.today().isoformat(), "machine": machine(), "version": program.version(),
                "threads": settings.threads, "trials": settings.trials, "angle_deg": settings.angle_deg,
                "distance_m": settings.distance_m, "seed": settings.seed, "refine_options": settings.refine,
-               "refine": [], "colorize": []}
+               "refine": [], "methods": [], "colorize": []}
 
     def keep(kind, run, row):
         print(row, end="", flush=True)
@@ -202,12 +228,19 @@ def main():
     for scene in recorded:
         for run in recorded_runs(program, scene, runs_folder, settings):
             keep("refine", run, figures.refine_row(run))
+    if settings.methods != ["cp_plus"]:
+        print("\n" + figures.METHOD_HEADER, end="")
+        for run in [r for r in results["refine"] if r["kind"] == "truth"]:
+            keep("methods", run, figures.method_row(run))
+        for scene in truth:
+            for run in method_runs(program, scene, runs_folder, settings):
+                keep("methods", run, figures.method_row(run))
     if not settings.no_colorize:
         print("\n" + figures.COLORIZE_HEADER, end="")
         for scene, model in [(s, s / "truth" / "on_map") for s in truth] + [(s, s / "reference") for s in recorded]:
             run = colorize_run(program, scene, model, runs_folder)
             keep("colorize", run, figures.colorize_row(run))
-    return 1 if any(run["error"] for run in results["refine"] + results["colorize"]) else 0
+    return 1 if any(run["error"] for run in results["refine"] + results["methods"] + results["colorize"]) else 0
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests of the parts of the quality benchmark that its figures depend on."""
 
+import argparse
 import math
 import pathlib
 import random
@@ -10,6 +11,7 @@ import unittest
 
 import figures
 import poses
+import quality
 
 
 def angle_deg_between(a, b):
@@ -86,6 +88,27 @@ class FiguresTest(unittest.TestCase):
         columns = figures.REFINE_HEADER.splitlines()[0].count("|")
         self.assertEqual(figures.refine_row(run).count("|"), columns)
         self.assertEqual(figures.refine_row({**run, "error": "exit code 1: no"}).count("|"), columns)
+        columns = figures.METHOD_HEADER.splitlines()[0].count("|")
+        run["method"] = "nid"
+        self.assertEqual(figures.method_row(run).count("|"), columns)
+        self.assertEqual(figures.method_row({**run, "error": "exit code 1: no"}).count("|"), columns)
+
+    def test_methods_of_a_scene_and_start_stand_together_the_best_first(self):
+        def run(scene, start, method, median):
+            return {"scene": scene, "start": start, "method": method,
+                    "figures": None if median is None else {"after_median_px": median}}
+
+        runs = [run("b", "small", "cp_plus", 1.0), run("a", "small", "cp_plus", 2.0), run("b", "small", "nid", 0.5),
+                run("a", "small", "lines", None), run("a", "small", "none", 7.0)]
+        self.assertEqual([(r["scene"], r["method"]) for r in figures.by_scene_and_start(runs)],
+                         [("b", "nid"), ("b", "cp_plus"), ("a", "cp_plus"), ("a", "none"), ("a", "lines")])
+
+
+class ArgumentsTest(unittest.TestCase):
+    def test_unknown_methods_are_named(self):
+        self.assertEqual(quality.method_list("cp_plus,nid"), ["cp_plus", "nid"])
+        with self.assertRaisesRegex(argparse.ArgumentTypeError, "'icp'"):
+            quality.method_list("lines,icp")
 
 
 if __name__ == "__main__":

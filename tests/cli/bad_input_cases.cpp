@@ -359,6 +359,8 @@ Cases refine_cases() {
        [](const TinyScene& scene) { return with_flag(scene.refine(), "--out", scene.path("map.pcd/out")); }},
       {"read-only folder for the refined model",
        [](const TinyScene& scene) { return with_flag(scene.refine(), "--out", "/proc/cpplus"); }},
+      {"unknown method of refinement",
+       [](const TinyScene& scene) { return with_flag(scene.refine(), "--method", "icp"); }},
       {"option of refine out of range",
        [](const TinyScene& scene) { return with_flag(scene.refine(), "--voxel-map.root-size-m", "0"); }},
   };

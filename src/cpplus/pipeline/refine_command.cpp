@@ -22,6 +22,7 @@
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/image_sequences.h"
 #include "cpplus/pipeline/joint_refinement.h"
+#include "cpplus/pipeline/refine_baselines.h"
 #include "cpplus/pipeline/sample_dashes.h"
 
 namespace cpplus {
@@ -86,9 +87,11 @@ SparseModel refined_model(const SparseModel& coarse, const std::vector<ImageRepo
 // together.
 class ModelRefiner {
  public:
-  ModelRefiner(const MapFeatures& features, const SparseModel& model, const RefineCommandOptions& options,
-               const std::map<std::string, double>& stamps, const Trajectory& trajectory)
+  ModelRefiner(const MapFeatures& features, const std::vector<float>& intensities, const SparseModel& model,
+               const RefineCommandOptions& options, const std::map<std::string, double>& stamps,
+               const Trajectory& trajectory)
       : features_(features),
+        intensities_(intensities),
         model_(model),
         options_(options),
         reports_(model.images.size()),
@@ -112,7 +115,7 @@ class ModelRefiner {
     std::iota(all.begin(), all.end(), size_t{0});
     try {
       refine("refine", all);
-      if (options_.joint) refine_together();
+      if (options_.joint && options_.method == "cp_plus") refine_together();
       if (!options_.debug_images.empty()) write_overlays();
     } catch (const Interrupted&) {
       interrupted_ = true;
@@ -158,13 +161,24 @@ class ModelRefiner {
     Progress progress(label, images.size());
     parallel_for_each(images.size(), [&](size_t k) {
       const size_t i = images[k];
-      const PosedImage& image = model_.images[i];
-      const Camera& camera = model_.cameras.at(image.camera_id);
-      reports_[i] = refine_image(
-          features_, image.name, camera, image.camera_from_map, guesses_[i], [&] { return decode(i); },
-          options_.stages);
+      reports_[i] = refine_one(i);
       progress.advance();
     });
+  }
+
+  ImageReport refine_one(size_t i) const {
+    const PosedImage& image = model_.images[i];
+    const Camera& camera = model_.cameras.at(image.camera_id);
+    const auto decode_it = [this, i] { return decode(i); };
+    if (options_.method == "none") return keep_coarse_pose(image.name, image.camera_from_map);
+    if (options_.method == "lines") {
+      return refine_image_by_lines(features_, image.name, camera, image.camera_from_map, decode_it, options_.stages);
+    }
+    if (options_.method == "nid") {
+      return refine_image_by_nid(features_, intensities_, image.name, camera, image.camera_from_map, decode_it,
+                                 options_.stages);
+    }
+    return refine_image(features_, image.name, camera, image.camera_from_map, guesses_[i], decode_it, options_.stages);
   }
 
   void write_overlays() const {
@@ -208,6 +222,7 @@ class ModelRefiner {
   static constexpr double kMaxSquaredDistance = 12.6;
 
   const MapFeatures& features_;
+  const std::vector<float>& intensities_;  // equalised, in the order of the cloud; of --method nid alone
   const SparseModel& model_;
   const RefineCommandOptions& options_;
   std::vector<ImageReport> reports_;
@@ -225,6 +240,9 @@ void RefineCommandOptions::validate() const {
     if (value.empty()) throw UsageError(fmt::format("option {} must be given", name));
   }
   if (!trajectory.empty() && stamps.empty()) throw UsageError("option trajectory takes option stamps as well");
+  if (method != "cp_plus" && method != "lines" && method != "nid" && method != "none") {
+    throw UsageError(fmt::format("option method must be cp_plus, lines, nid or none, got '{}'", method));
+  }
   stages.validate();
 }
 
@@ -247,7 +265,9 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   map_report.num_edges = features.edges.size();
   map_report.noise_m = features.planes.noise_m;
 
-  ModelRefiner refiner(features, model, options, stamps, trajectory);
+  const std::vector<float> intensities =
+      options.method == "nid" ? equalise_intensities(cloud.intensities) : std::vector<float>{};
+  ModelRefiner refiner(features, intensities, model, options, stamps, trajectory);
   const std::vector<ImageReport> reports = refiner.run();
   const RefineSummary summary = summarise(reports);
   if (summary.num_unreadable == summary.num_images) {

@@ -23,6 +23,9 @@ struct RefineCommandOptions {
   /// TUM file with poses of the LiDAR (map_from_lidar), whose velocity the time offset is found by; "" = the coarse
   /// poses do. Takes stamps.
   std::string trajectory;
+  /// cp_plus, or a simpler method for comparison (pipeline/refine_baselines.h): lines, nid, none. These solve no images
+  /// together.
+  std::string method = "cp_plus";
   /// Solves all images together after each has been refined on its own; one whose pose is doubtful is first looked for
   /// again where the others expect it.
   bool joint = true;
@@ -41,6 +44,7 @@ struct RefineCommandOptions {
     visitor("stamps", stamps, "File with the instant of each image, NAME SECONDS a line; empty = the model's order.");
     visitor("trajectory", trajectory,
             "TUM poses of the LiDAR, for the time offset; empty = the coarse poses. Takes stamps.");
+    visitor("method", method, "cp_plus, or for comparison lines, nid or none, which look at each image alone.");
     visitor("joint", joint, "Solve all images together after each has been refined on its own.");
     visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
     stages.visit(visitor);

@@ -13,6 +13,7 @@
 #include "cpplus/core/parallel.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
+#include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/evaluate_command.h"
 #include "cpplus/pipeline/write_world.h"
 
@@ -267,6 +268,54 @@ TEST_F(RefineCommand, OnlyRefinedLeavesTheOthersOutAndOverlaysAreWrittenOnlyWher
   EXPECT_FALSE(fs::exists(world_ / "pictures/000001.jpg.png"));
 }
 
+// One test, as each test is a process of its own that simulates the world anew.
+TEST_F(RefineCommand, OtherMethodsJudgeEachImageByTheirOwnFigure) {
+  RefineCommandOptions options = options_for("none");
+  options.method = "none";
+  EXPECT_EQ(refine_command(options).num_kept_coarse, 6u);
+  const SparseModel coarse = read_sparse_model((world_ / "coarse").string());
+  const SparseModel copied = read_sparse_model((world_ / "none/sparse").string());
+  ASSERT_EQ(copied.images.size(), 6u);
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_LT(camera_difference(coarse.images[i].camera_from_map, copied.images[i].camera_from_map).norm(), 1e-12) << i;
+  }
+
+  const double start_px = mean_shift_px(world_, world_ / "coarse");
+  for (const std::string method : {"lines", "nid"}) {
+    options = options_for(method);
+    options.method = method;
+    const RefineSummary summary = refine_command(options);
+    EXPECT_EQ(summary.num_unreadable, 2u) << method;
+    EXPECT_EQ(summary.num_outside_map, 1u) << method;
+    EXPECT_GE(summary.num_refined, 1u) << method;
+    EXPECT_LT(mean_shift_px(world_, world_ / method / "sparse"), start_px) << method;
+    const auto report = nlohmann::json::parse(std::ifstream(world_ / method / "report.json"));
+    EXPECT_EQ(report["options"]["method"], method);
+    EXPECT_TRUE(report["shared"].empty()) << method << " looks at each image alone";
+    for (const nlohmann::json& row : report["images"]) {
+      if (row["status"] != "refined") continue;
+      const nlohmann::json& figures = method == "lines" ? row : row["nid"];
+      const char* key = method == "lines" ? "/rms_px" : "";
+      EXPECT_LT(figures.at(nlohmann::json::json_pointer("/after" + std::string(key))),
+                figures.at(nlohmann::json::json_pointer("/before" + std::string(key))))
+          << method;
+    }
+  }
+}
+
+TEST_F(RefineCommand, NidNeedsIntensities) {
+  PointCloud cloud = read_point_cloud((world_ / "map.pcd").string());
+  cloud.intensities.clear();
+  RefineCommandOptions options = options_for("no_intensity");
+  options.map = (world_ / "plain.pcd").string();
+  options.method = "nid";
+  write_point_cloud(options.map, cloud);
+  EXPECT_EQ(refine_command(options).num_refined, 0u);
+  const auto report = nlohmann::json::parse(std::ifstream(options.out + "/report.json"));
+  EXPECT_EQ(report["images"][0]["status"], "kept_coarse");
+  EXPECT_EQ(report["images"][0]["reason"], "the map has no intensity");
+}
+
 TEST_F(RefineCommand, WithoutTheMapOrAnyImageNothingIsWritten) {
   RefineCommandOptions options = options_for("nothing");
   options.map = (world_ / "no_such_map.pcd").string();
@@ -299,6 +348,15 @@ TEST(RefineCommandOptions, WhatMustBeGivenIsNamed) {
     EXPECT_THAT(error.what(), HasSubstr("out"));
   }
   options.out = "out";
+  EXPECT_NO_THROW(options.validate());
+  options.method = "icp";
+  try {
+    options.validate();
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cp_plus, lines, nid or none, got 'icp'"));
+  }
+  options.method = "nid";
   EXPECT_NO_THROW(options.validate());
   options.stages.refine.max_iterations = 0;
   EXPECT_THROW(options.validate(), Error);

@@ -6,6 +6,7 @@
 #include "cpplus/core/error.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/core/stopwatch.h"
+#include "cpplus/pipeline/nothing_hidden.h"
 #include "cpplus/visibility/point_spacing.h"
 
 namespace cpplus {
@@ -17,12 +18,6 @@ constexpr double kSurfaceDepthNoises = 6.0;
 constexpr double kCandidateRadiusPx = 40.0;
 // Points of the seen surface along the longer side of the image.
 constexpr int kSurfacePoints = 16;
-
-size_t count_edges(const std::vector<EdgeSample>& samples) {
-  std::set<uint32_t> edges;
-  for (const EdgeSample& sample : samples) edges.insert(sample.edge);
-  return edges.size();
-}
 
 bool sees_map(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
@@ -37,11 +32,7 @@ PlaneBuffer hiding_planes(const MapFeatures& features, const Camera& camera, con
     return render_plane_buffer(features.map, features.planes, features.surface, camera, camera_from_map,
                                options.visibility);
   }
-  PlaneBuffer nothing_hidden;
-  nothing_hidden.camera = camera;
-  nothing_hidden.camera_from_map = camera_from_map;
-  nothing_hidden.planes = &features.planes.planes;
-  return nothing_hidden;
+  return nothing_hidden(features.planes.planes, camera, camera_from_map);
 }
 
 std::vector<Eigen::Vector3d> seen_surface(const PlaneBuffer& planes) {
@@ -62,6 +53,17 @@ std::vector<Eigen::Vector3d> seen_surface(const PlaneBuffer& planes) {
 
 }  // namespace
 
+size_t count_edges(const std::vector<EdgeSample>& samples) {
+  std::set<uint32_t> edges;
+  for (const EdgeSample& sample : samples) edges.insert(sample.edge);
+  return edges.size();
+}
+
+void LineOptions::validate() const {
+  check_option(max_iterations >= 1, "max_iterations", "[1, inf)", max_iterations);
+  check_option(first_radius_px > 0, "first_radius_px", "(0, inf)", first_radius_px);
+}
+
 void RefineImagesOptions::validate() const {
   voxel_map.validate();
   planes.validate();
@@ -74,6 +76,8 @@ void RefineImagesOptions::validate() const {
   refine.validate();
   patches.validate();
   joint_solve.validate();
+  lines.validate();
+  nid.validate();
 }
 
 MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options) {
@@ -116,51 +120,65 @@ EdgesInView find_edges_in_view(const MapFeatures& features, const Camera& camera
   return edges_in_view(features, hiding_planes(features, camera, camera_from_map, options), options);
 }
 
-ImageReport refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
-                         const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
-                         const std::function<GrayImage()>& decode, const RefineImagesOptions& options) {
+ImageReport unrefined_report(const std::string& name, const Rigid3& coarse_camera_from_map) {
   ImageReport report;
   report.name = name;
   report.camera_from_map = coarse_camera_from_map;
   report.refine.camera_from_map = coarse_camera_from_map;
-  const auto finish = [&](ImageStatus status, const std::string& reason) {
-    report.status = status;
-    report.reason = reason;
-    return report;
-  };
+  return report;
+}
 
+std::optional<GrayImage> open_image(const MapFeatures& features, const Camera& camera,
+                                    const std::function<GrayImage()>& decode, const RefineImagesOptions& options,
+                                    ImageReport* report) {
+  const auto refuse = [&](ImageStatus status, const std::string& reason) {
+    report->status = status;
+    report->reason = reason;
+    return std::nullopt;
+  };
   Stopwatch watch;
-  const auto lap = [&](const char* stage) { report.milliseconds.emplace_back(stage, watch.lap()); };
   GrayImage image;
   try {
     image = decode();
   } catch (const Error& error) {
-    return finish(ImageStatus::kUnreadable, error.what());
+    return refuse(ImageStatus::kUnreadable, error.what());
   }
-  lap("decode");
+  report->milliseconds.emplace_back("decode", watch.lap());
 
   const BlurResult blur = measure_blur(image, options.blur);
-  report.sharpness = blur.sharpness;
-  lap("blur");
-  if (blur.blurred) return finish(ImageStatus::kBlurred, "the image is blurred");
-
-  if (!sees_map(features, camera, coarse_camera_from_map, options.samples.max_distance_m)) {
-    return finish(ImageStatus::kOutsideMap, "no part of the map is in view");
+  report->sharpness = blur.sharpness;
+  report->milliseconds.emplace_back("blur", watch.lap());
+  if (blur.blurred) return refuse(ImageStatus::kBlurred, "the image is blurred");
+  if (!sees_map(features, camera, report->camera_from_map, options.samples.max_distance_m)) {
+    return refuse(ImageStatus::kOutsideMap, "no part of the map is in view");
   }
+  return image;
+}
+
+ImageReport refine_image(const MapFeatures& features, const std::string& name, const Camera& camera,
+                         const Rigid3& coarse_camera_from_map, const PoseGuess& guess,
+                         const std::function<GrayImage()>& decode, const RefineImagesOptions& options) {
+  ImageReport report = unrefined_report(name, coarse_camera_from_map);
+  const auto image = open_image(features, camera, decode, options, &report);
+  if (!image) return report;
+  Stopwatch watch;
+  const auto lap = [&](const char* stage) { report.milliseconds.emplace_back(stage, watch.lap()); };
   const PlaneBuffer planes = hiding_planes(features, camera, guess.camera_from_map, options);
   lap("visibility");
   const EdgesInView view = edges_in_view(features, planes, options);
   report.num_map_edges = static_cast<int>(count_edges(view.samples));
   lap("map_edges");
 
-  const ImageEdges image_edges = detect_image_edges(image, options.image_edges);
+  const ImageEdges image_edges = detect_image_edges(*image, options.image_edges);
   lap("image_edges");
   report.refine =
       refine_pose(camera, coarse_camera_from_map, guess, view.edges, view.samples, image_edges, options.refine);
   report.camera_from_map = report.refine.camera_from_map;
   lap("refine");
   const bool refined = report.refine.status == RefineStatus::kRefined;
-  return finish(refined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse, report.refine.reason);
+  report.status = refined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse;
+  report.reason = report.refine.reason;
+  return report;
 }
 
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,

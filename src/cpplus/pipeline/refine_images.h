@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,29 @@
 #include "cpplus/features/plane_segmentation.h"
 #include "cpplus/refine/joint_solver.h"
 #include "cpplus/refine/joint_verdict.h"
+#include "cpplus/refine/nid_pose.h"
 #include "cpplus/refine/refine_pose.h"
 #include "cpplus/report/refine_report.h"
 #include "cpplus/visibility/plane_buffer_renderer.h"
 #include "cpplus/visibility/silhouettes.h"
 
 namespace cpplus {
+
+/// What the baseline of line segments (pipeline/refine_baselines.h) has in place of the options of `refine`, since
+/// it must come home without a search.
+struct LineOptions {
+  /// Rounds of matching and minimising. [1, inf)
+  int max_iterations = 10;
+  /// Samples look for an image edge this far in the first round, pixels. (0, inf)
+  double first_radius_px = 20.0;
+
+  void validate() const;
+  template <typename Visitor>
+  void visit(Visitor& visitor) {
+    visitor("max_iterations", max_iterations, "Rounds of matching and minimising.");
+    visitor("first_radius_px", first_radius_px, "Samples look for an image edge this far in the first round, pixels.");
+  }
+};
 
 /// Options of every stage from a map and an image to a refined pose.
 struct RefineImagesOptions {
@@ -34,6 +52,9 @@ struct RefineImagesOptions {
   RefinePoseOptions refine;
   PatchMatchingOptions patches;
   JointOptions joint_solve;
+  // Of the baselines alone (pipeline/refine_baselines.h).
+  LineOptions lines;
+  NidOptions nid;
 
   void validate() const;
   template <typename Visitor>
@@ -50,6 +71,8 @@ struct RefineImagesOptions {
     visitor.group("refine", refine);
     visitor.group("patches", patches);
     visitor.group("joint_solve", joint_solve);
+    visitor.group("lines", lines);
+    visitor.group("nid", nid);
   }
 };
 
@@ -72,6 +95,18 @@ struct EdgesInView {
 
 EdgesInView find_edges_in_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                                const RefineImagesOptions& options);
+
+/// How many edges the samples lie on.
+size_t count_edges(const std::vector<EdgeSample>& samples);
+
+/// The report of an image that keeps its coarse pose.
+ImageReport unrefined_report(const std::string& name, const Rigid3& coarse_camera_from_map);
+
+/// Decodes an image and notes how sharp it is. Nothing, with status and reason in the report, for an image that is
+/// unreadable (`decode` throws Error) or blurred, or that sees no part of the map from the report's pose.
+std::optional<GrayImage> open_image(const MapFeatures& features, const Camera& camera,
+                                    const std::function<GrayImage()>& decode, const RefineImagesOptions& options,
+                                    ImageReport* report);
 
 /// One image against the map. `decode` yields the grey image or throws Error, which becomes the status `unreadable`.
 /// `guess` is where the pose is looked for, the coarse pose what the result must beat.

@@ -65,6 +65,12 @@ Json image_json(const ImageReport& image) {
                       {"before_median_px", number(image.surfaces.before_median_px)},
                       {"after_median_px", number(image.surfaces.after_median_px)}};
   json["predicted_shift_px"] = number(r.predicted_shift_px);
+  if (image.nid) {
+    json["nid"] = {{"before", number(image.nid->before)},
+                   {"after", number(image.nid->after)},
+                   {"points", image.nid->num_points},
+                   {"evaluations", image.nid->evaluations}};
+  }
   return json;
 }
 

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cpplus/core/option_list.h"
 #include "cpplus/refine/joint_solver.h"
+#include "cpplus/refine/nid_pose.h"
 #include "cpplus/refine/refine_pose.h"
 
 namespace cpplus {
@@ -31,6 +33,7 @@ struct ImageReport {
   int num_map_edges = 0;    // that should be seen
   RefinePoseResult refine;  // figures; defaults where it was not reached
   SurfaceResidual surfaces;
+  std::optional<NidResult> nid;  // of that baseline alone
   double sharpness = 0.0;
   std::vector<std::pair<std::string, double>> milliseconds;  // a stage each, in order
 };
