@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "cpplus/colorize/robust_color.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/visibility/point_spacing.h"
@@ -93,6 +95,24 @@ void MapTrackOptions::validate() const {
   check_option(min_views >= 1 && min_views <= 1000, "min_views", "[1, 1000]", min_views);
 }
 
+namespace {
+
+uint8_t weight_in_8_bits(double weight) {
+  return static_cast<uint8_t>(std::clamp(std::lround(255.0 * weight), 1l, 255l));
+}
+
+// As the images show it, whatever their exposure: points of a sparse model are for orientation.
+Rgb color_of(std::span<const ColorSample> samples) {
+  std::vector<WeightedColor> colors;
+  for (const ColorSample& s : samples) {
+    colors.push_back({{static_cast<float>(s.color[0]), static_cast<float>(s.color[1]), static_cast<float>(s.color[2])},
+                      static_cast<float>(s.weight)});
+  }
+  return robust_color(colors, kMaxColorDeviation).color;
+}
+
+}  // namespace
+
 MapTracks::MapTracks(const VoxelMap& map, const MapTrackOptions& options, const ViewSamplingOptions& sampling)
     : map_(map),
       options_(options),
@@ -109,7 +129,7 @@ size_t MapTracks::add_view(const ColorView& view, uint32_t image_id) {
     for (size_t k = begin; k < end; ++k) {
       const Eigen::Vector3d x_in_camera = rotation * map_.point(points_[k]) + view.camera_from_map.translation;
       if (const auto sample = sampler.sample(x_in_camera, rotation * normals_[k].cast<double>())) {
-        samples_.add(k, sample->color, sample->weight);
+        samples_.add(k, {sample->color, weight_in_8_bits(sample->weight), static_cast<uint16_t>(views_.size()), 0});
         seen_of_chunk[begin / kGrain].push_back(static_cast<uint32_t>(k));
       }
     }
@@ -145,7 +165,7 @@ std::vector<SparsePoint> MapTracks::take() {
     SparsePoint& point = points.emplace_back();
     point.id = points.size();
     point.position = map_.point(points_[k]);
-    point.color = samples_.color(k, kMaxColorDeviation);
+    point.color = color_of(samples_.of_point(k));
     point.error_px = 0.0;
   }
   for (View& view : views_) {
