@@ -17,6 +17,14 @@ namespace cpplus {
 
 namespace {
 
+std::string output_stem() { return testing::TempDir() + "/cpplus_" + std::to_string(getpid()); }
+
+}  // namespace
+
+std::string stderr_file() { return output_stem() + ".err"; }
+
+namespace {
+
 std::string test_name() {
   const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
   std::string name = std::string(test->test_suite_name()) + "." + test->name();
@@ -40,9 +48,8 @@ std::string test_name() {
 /// `while_running` gets the process's number.
 ProcessResult run(const std::string& program, const std::vector<std::string>& arguments,
                   const std::function<void(pid_t)>& while_running) {
-  const std::string stem = testing::TempDir() + "/cpplus_" + std::to_string(getpid());
-  const std::string out = stem + ".out";
-  const std::string err = stem + ".err";
+  const std::string out = output_stem() + ".out";
+  const std::string err = stderr_file();
   write_file(out, "");  // there even where the process is killed before it opens them
   write_file(err, "");
   const pid_t child = fork();

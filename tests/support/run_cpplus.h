@@ -20,6 +20,9 @@ ProcessResult run_program(const std::string& program, const std::vector<std::str
 ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment,
                                   int signal = SIGKILL);
 
+/// The file that the standard error of the running program goes to, for a `moment` that waits for a line of it.
+std::string stderr_file();
+
 /// Runs the built program with these arguments.
 ProcessResult run_cpplus(const std::vector<std::string>& arguments);
 
