@@ -17,6 +17,9 @@ struct ColorSample {
   uint8_t radius = 0;  // distance from the image centre, 255 = half the diagonal
 };
 
+/// A share in [0, 1] as a sample keeps it: smallest..255.
+uint8_t share_in_8_bits(double share, int smallest);
+
 /// The best few colour samples of each point. Memory is fixed from the start, 8 * max_samples + 3 bytes a point,
 /// however many images there are.
 class ColorSamples {

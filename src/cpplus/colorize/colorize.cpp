@@ -22,11 +22,6 @@ constexpr uint8_t kMidGray = 128;
 /// Darker than most of what images show, so that points without a colour do not look like white walls.
 constexpr double kBrightestGray = 160.0;
 
-/// [0, 1] to smallest..255.
-uint8_t to_byte(double share, int smallest) {
-  return static_cast<uint8_t>(std::clamp(static_cast<int>(255.0 * share + 0.5), smallest, 255));
-}
-
 /// Offers a view to the points of one root. Samples are kept by map order, so that roots touch disjoint runs.
 void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
                       const ViewSampler& sampler, uint16_t image, ColorSamples* samples) {
@@ -42,7 +37,7 @@ void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32
     for (size_t i = map.points_begin(normals.layer, node); i < points_end; ++i) {
       const Eigen::Vector3d x_in_camera = rotation * map.point(i) + camera_from_map.translation;
       if (const auto sample = sampler.sample(x_in_camera, normal_in_camera)) {
-        samples->add(i, {sample->color, to_byte(sample->weight, 1), image, to_byte(sample->radius, 0)});
+        samples->add(i, {sample->color, share_in_8_bits(sample->weight, 1), image, share_in_8_bits(sample->radius, 0)});
       }
     }
   }

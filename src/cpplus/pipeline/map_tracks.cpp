@@ -97,10 +97,6 @@ void MapTrackOptions::validate() const {
 
 namespace {
 
-uint8_t weight_in_8_bits(double weight) {
-  return static_cast<uint8_t>(std::clamp(std::lround(255.0 * weight), 1l, 255l));
-}
-
 // As the images show it, whatever their exposure: points of a sparse model are for orientation.
 Rgb color_of(std::span<const ColorSample> samples) {
   std::vector<WeightedColor> colors;
@@ -129,7 +125,7 @@ size_t MapTracks::add_view(const ColorView& view, uint32_t image_id) {
     for (size_t k = begin; k < end; ++k) {
       const Eigen::Vector3d x_in_camera = rotation * map_.point(points_[k]) + view.camera_from_map.translation;
       if (const auto sample = sampler.sample(x_in_camera, rotation * normals_[k].cast<double>())) {
-        samples_.add(k, {sample->color, weight_in_8_bits(sample->weight), static_cast<uint16_t>(views_.size()), 0});
+        samples_.add(k, {sample->color, share_in_8_bits(sample->weight, 1), static_cast<uint16_t>(views_.size()), 0});
         seen_of_chunk[begin / kGrain].push_back(static_cast<uint32_t>(k));
       }
     }

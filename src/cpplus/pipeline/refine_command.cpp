@@ -99,8 +99,7 @@ class ModelRefiner {
     for (size_t i = 0; i < model.images.size(); ++i) {
       const PosedImage& image = model.images[i];
       guesses_.emplace_back(image.camera_from_map, options.stages.refine.prior.sigmas());
-      reports_[i].name = image.name;
-      reports_[i].camera_from_map = image.camera_from_map;
+      reports_[i] = unrefined_report(image.name, image.camera_from_map);
       reports_[i].status = ImageStatus::kKeptCoarse;
       reports_[i].reason = kNotReached;
     }
