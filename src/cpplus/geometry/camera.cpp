@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "cpplus/core/error.h"
 #include "cpplus/geometry/camera_models/equirectangular.h"
@@ -96,6 +97,13 @@ int camera_model_colmap_id(CameraModel model) {
 
 size_t camera_model_num_params(CameraModel model) {
   return with_model(model, [](auto m) { return static_cast<size_t>(decltype(m)::kNumParams); });
+}
+
+std::vector<std::string> camera_model_param_names(CameraModel model) {
+  std::istringstream list(with_model(model, [](auto m) { return std::string(decltype(m)::kParams); }));
+  std::vector<std::string> names;
+  for (std::string name; std::getline(list >> std::ws, name, ',');) names.push_back(name);
+  return names;
 }
 
 std::optional<size_t> camera_model_principal_point_index(CameraModel model) {

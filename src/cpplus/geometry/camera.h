@@ -27,6 +27,8 @@ std::string camera_model_name(CameraModel model);
 std::optional<CameraModel> camera_model_from_colmap_id(int id);
 int camera_model_colmap_id(CameraModel model);
 size_t camera_model_num_params(CameraModel model);
+/// "fx, fy, cx, cy, k1, k2, p1, p2": their names in order.
+std::vector<std::string> camera_model_param_names(CameraModel model);
 /// Index of cx in the parameters (cy follows): what a change of the pixel convention shifts. Nothing for
 /// EQUIRECTANGULAR.
 std::optional<size_t> camera_model_principal_point_index(CameraModel model);

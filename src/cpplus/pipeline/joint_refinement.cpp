@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/core/progress.h"
@@ -57,6 +58,7 @@ class JointRefiner {
         input_(input),
         start_(start),
         options_(options),
+        cameras_(input.model.cameras),
         reports_(*reports),
         views_(input.model.images.size()) {
     std::vector<std::pair<double, size_t>> by_time;
@@ -83,13 +85,15 @@ class JointRefiner {
                                  refine.loss_scale,
                                  {refine.image_sigma_px, refine.edge_sigma_px}};
     JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
+    cameras_ = result.cameras;
     judge(result, surface_supports(problem.matches, result));
     measure_surfaces(matches, result);
     return result;
   }
 
  private:
-  const Camera& camera_of(size_t i) const { return input_.model.cameras.at(input_.model.images[i].camera_id); }
+  // With the intrinsics found, once they are.
+  const Camera& camera_of(size_t i) const { return cameras_.at(input_.model.images[i].camera_id); }
 
   // Edges of all images, and the patches that each shares with others near to it in time: a list for each participant.
   // Blocks of images, of which two at a time are kept whole, bound the memory.
@@ -135,13 +139,13 @@ class JointRefiner {
     for (size_t k = 0; k < participants_.size(); ++k) {
       std::vector<double> before, after;
       for (const SurfaceMatch& m : matches[k]) {
-        const auto residual = [&](const Rigid3& a, const Rigid3& b, std::vector<double>* distances) {
+        const auto residual = [&](const ImagePose& a, const ImagePose& b, std::vector<double>* distances) {
           const auto r = surface_match_residual(m, camera_of(m.image_a), a, camera_of(m.image_b), b);
           if (r) distances->push_back(r->residual.norm());
         };
         residual(input_.model.images[m.image_a].camera_from_map, input_.model.images[m.image_b].camera_from_map,
                  &before);
-        residual(result.poses[m.image_a].camera_from_map, result.poses[m.image_b].camera_from_map, &after);
+        residual(result.poses[m.image_a].image_pose(), result.poses[m.image_b].image_pose(), &after);
       }
       reports_[participants_[k]].surfaces = {static_cast<int>(matches[k].size()), median(before), median(after)};
     }
@@ -172,8 +176,8 @@ class JointRefiner {
   std::vector<int> surface_supports(const std::vector<SurfaceMatch>& matches, const JointResult& result) const {
     std::vector<int> supports(views_.size(), 0);
     for (const SurfaceMatch& m : matches) {
-      const auto r = surface_match_residual(m, camera_of(m.image_a), result.poses[m.image_a].camera_from_map,
-                                            camera_of(m.image_b), result.poses[m.image_b].camera_from_map);
+      const auto r = surface_match_residual(m, camera_of(m.image_a), result.poses[m.image_a].image_pose(),
+                                            camera_of(m.image_b), result.poses[m.image_b].image_pose());
       const int vote = r && r->residual.norm() <= kMaxPatchResidualPx ? 1 : -1;
       supports[m.image_a] += vote;
       supports[m.image_b] += vote;
@@ -203,6 +207,7 @@ class JointRefiner {
   const JointRefinementInput& input_;
   const std::vector<Rigid3>& start_;
   const RefineImagesOptions& options_;
+  std::map<uint32_t, Camera> cameras_;
   std::vector<ImageReport>& reports_;
   std::vector<size_t> participants_;
   std::vector<JointView> views_;
@@ -217,7 +222,9 @@ JointResult predict_poses(const JointRefinementInput& input, const std::vector<I
     if (reports[i].status != ImageStatus::kRefined) continue;
     problem.images[i].observed = PoseObservation{reports[i].camera_from_map, reports[i].refine.information};
   }
-  return solve_joint(problem, options.refine.prior.sigmas(), {}, options.joint_solve);
+  JointOptions solve = options.joint_solve;
+  solve.imaging = {};  // of which poses alone say nothing
+  return solve_joint(problem, options.refine.prior.sigmas(), {}, solve);
 }
 
 JointResult refine_jointly(const MapFeatures& features, const JointRefinementInput& input,

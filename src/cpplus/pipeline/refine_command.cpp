@@ -72,9 +72,10 @@ RefineSummary summarise(const std::vector<ImageReport>& reports) {
   return summary;
 }
 
-SparseModel refined_model(const SparseModel& coarse, const std::vector<ImageReport>& reports, bool only_refined) {
+SparseModel refined_model(const SparseModel& coarse, const std::map<uint32_t, Camera>& cameras,
+                          const std::vector<ImageReport>& reports, bool only_refined) {
   SparseModel model;
-  model.cameras = coarse.cameras;
+  model.cameras = cameras;
   for (size_t i = 0; i < coarse.images.size(); ++i) {
     if (only_refined && reports[i].status != ImageStatus::kRefined) continue;
     model.images.push_back(coarse.images[i]);
@@ -95,6 +96,7 @@ class ModelRefiner {
         model_(model),
         options_(options),
         reports_(model.images.size()),
+        cameras_(model.cameras),
         input_{model, {}, {}, {}} {
     for (size_t i = 0; i < model.images.size(); ++i) {
       const PosedImage& image = model.images[i];
@@ -126,6 +128,8 @@ class ModelRefiner {
   bool interrupted() const { return interrupted_; }
 
   const std::map<uint32_t, SharedErrors>& shared_errors() const { return shared_; }
+  /// With the intrinsics found.
+  const std::map<uint32_t, Camera>& cameras() const { return cameras_; }
 
  private:
   GrayImage decode(size_t i) const {
@@ -185,7 +189,7 @@ class ModelRefiner {
       const ImageStatus status = reports_[i].status;
       if (status != ImageStatus::kRefined && status != ImageStatus::kKeptCoarse) return;
       const PosedImage& image = model_.images[i];
-      write_overlay(options_, features_, model_.cameras.at(image.camera_id), image.camera_from_map, reports_[i]);
+      write_overlay(options_, features_, cameras_.at(image.camera_id), image.camera_from_map, reports_[i]);
     });
   }
 
@@ -213,7 +217,9 @@ class ModelRefiner {
       const bool refined = reports_[i].status == ImageStatus::kRefined;
       start.push_back(refined ? reports_[i].camera_from_map : guesses_[i].camera_from_map);
     }
-    shared_ = refine_jointly(features_, input_, start, options_.stages, &reports_).shared;
+    const JointResult result = refine_jointly(features_, input_, start, options_.stages, &reports_);
+    shared_ = result.shared;
+    for (const auto& [id, camera] : result.cameras) cameras_[id] = camera;
   }
 
   // From where the others expect an image, above which it is looked at again: 95 % of a chi-squared variable with six
@@ -225,6 +231,7 @@ class ModelRefiner {
   const SparseModel& model_;
   const RefineCommandOptions& options_;
   std::vector<ImageReport> reports_;
+  std::map<uint32_t, Camera> cameras_;
   JointRefinementInput input_;
   std::vector<PoseGuess> guesses_;
   std::map<uint32_t, SharedErrors> shared_;
@@ -273,7 +280,8 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
     throw Error(fmt::format("{}: none of the model's images can be read", options.images));
   }
   RefineCommandOptions listed = options;
-  write_sparse_model_text(options.out + "/sparse", refined_model(model, reports, options.only_refined));
+  write_sparse_model_text(options.out + "/sparse",
+                          refined_model(model, refiner.cameras(), reports, options.only_refined));
   write_text_file(
       options.out + "/report.json",
       refine_report_json(absolute_inputs(options), map_report, refiner.shared_errors(), reports, list_options(listed)));

@@ -48,14 +48,14 @@ std::vector<Eigen::Vector2f> crossings(const EdgelIndex& index, const std::vecto
 
 }  // namespace
 
-EdgeEvidence::EdgeEvidence(const Camera& camera, const Rigid3& camera_from_map, const std::vector<MapEdge>& edges,
+EdgeEvidence::EdgeEvidence(const Camera& camera, const ImagePose& pose, const std::vector<MapEdge>& edges,
                            const std::vector<EdgeSample>& samples, const ImageEdges& image_edges, double radius_px,
                            double max_angle_deg) {
   const EdgelIndex index(image_edges);
   const double min_cos = std::cos(max_angle_deg * std::numbers::pi / 180.0);
   std::vector<uint32_t> found;
   for (const EdgeSample& sample : samples) {
-    const auto projected = project_sample(camera, camera_from_map, sample);
+    const auto projected = project_sample(camera, pose, sample);
     if (!projected) continue;
     Sample s;
     s.sample = sample;
@@ -90,13 +90,14 @@ std::vector<EdgeEvidence::Selection> EdgeEvidence::folds(int count) const {
   return folds;
 }
 
-std::vector<EdgeMatch> EdgeEvidence::match(const Camera& camera, const Rigid3& camera_from_map, double radius_px,
+std::vector<EdgeMatch> EdgeEvidence::match(const Camera& camera, const ImagePose& pose, double radius_px,
                                            const Noise& noise, const Selection& selection) const {
   std::vector<EdgeMatch> matches;
+  const Rigid3 map_from_middle_row = inverse(pose.camera_from_map);
   for (const uint32_t i : selection) {
     const Sample& s = samples_[i];
     if (s.candidates_begin == s.candidates_end) continue;
-    const auto projected = project_sample(camera, camera_from_map, s.sample);
+    const auto projected = project_sample(camera, pose, s.sample);
     if (!projected) continue;
     double nearest_px = radius_px;
     const Eigen::Vector2f* best = nullptr;
@@ -108,7 +109,9 @@ std::vector<EdgeMatch> EdgeEvidence::match(const Camera& camera, const Rigid3& c
     }
     if (best == nullptr) continue;
     EdgeMatch m;
-    m.x_in_map = s.sample.x_in_map;
+    m.x_in_map =
+        pose.moves() ? map_from_middle_row * (projected->camera_from_map * s.sample.x_in_map) : s.sample.x_in_map;
+    m.row_fraction = row_fraction(best->y(), camera.height());
     m.edge = s.sample.edge;
     m.pixel = best->cast<double>();
     m.normal = projected->normal;
@@ -130,22 +133,22 @@ double EdgeEvidence::nearest(const Sample& s, const ProjectedSample& projected, 
   return best;
 }
 
-std::vector<double> EdgeEvidence::distances(const Camera& camera, const Rigid3& camera_from_map, double radius_px,
+std::vector<double> EdgeEvidence::distances(const Camera& camera, const ImagePose& pose, double radius_px,
                                             const Selection& selection) const {
   std::vector<double> result;
   for (const uint32_t i : selection) {
-    const auto projected = project_sample(camera, camera_from_map, samples_[i].sample);
+    const auto projected = project_sample(camera, pose, samples_[i].sample);
     if (projected) result.push_back(nearest(samples_[i], *projected, 0.0, radius_px));
   }
   return result;
 }
 
-double EdgeEvidence::log_ratio(const Camera& camera, const Rigid3& camera_from_map, double kernel_px,
+double EdgeEvidence::log_ratio(const Camera& camera, const ImagePose& pose, double kernel_px,
                                const Selection& selection) const {
   std::vector<SampleLikelihood> likelihoods;
   for (const uint32_t i : selection) {
     const Sample& s = samples_[i];
-    const auto projected = project_sample(camera, camera_from_map, s.sample);
+    const auto projected = project_sample(camera, pose, s.sample);
     if (!projected) continue;
     const Eigen::RowVector3d across = projected->normal.transpose() * projected->d_pixel_d_point;
     const double map_variance = (across * s.covariance.cast<double>() * across.transpose()).value();

@@ -7,7 +7,7 @@
 #include "cpplus/cloud/map_edge.h"
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/image_edge.h"
-#include "cpplus/geometry/rigid3.h"
+#include "cpplus/geometry/image_pose.h"
 #include "cpplus/refine/edge_match.h"
 #include "cpplus/refine/edge_samples.h"
 
@@ -22,7 +22,7 @@ class EdgeEvidence {
 
   /// Candidates are the edgels within radius_px along the normal of the projected sample whose own normal differs from
   /// it by at most max_angle_deg, one for each image edge that is crossed.
-  EdgeEvidence(const Camera& camera, const Rigid3& camera_from_map, const std::vector<MapEdge>& edges,
+  EdgeEvidence(const Camera& camera, const ImagePose& pose, const std::vector<MapEdge>& edges,
                const std::vector<EdgeSample>& samples, const ImageEdges& image_edges, double radius_px,
                double max_angle_deg);
 
@@ -36,16 +36,15 @@ class EdgeEvidence {
   using Selection = std::vector<uint32_t>;
 
   /// Matches each selected sample with its nearest candidate across the projected edge, within radius_px.
-  std::vector<EdgeMatch> match(const Camera& camera, const Rigid3& camera_from_map, double radius_px,
-                               const Noise& noise, const Selection& selection) const;
+  std::vector<EdgeMatch> match(const Camera& camera, const ImagePose& pose, double radius_px, const Noise& noise,
+                               const Selection& selection) const;
 
   /// Logarithm of the likelihood ratio of the selected samples to edges put at random, as
   /// EdgeLikelihood::log_ratio_fitted(), with a kernel of that standard deviation.
-  double log_ratio(const Camera& camera, const Rigid3& camera_from_map, double kernel_px,
-                   const Selection& selection) const;
+  double log_ratio(const Camera& camera, const ImagePose& pose, double kernel_px, const Selection& selection) const;
 
   /// Distances of the selected samples to their nearest candidates, at most radius_px, pixels.
-  std::vector<double> distances(const Camera& camera, const Rigid3& camera_from_map, double radius_px,
+  std::vector<double> distances(const Camera& camera, const ImagePose& pose, double radius_px,
                                 const Selection& selection) const;
 
   size_t num_samples() const { return samples_.size(); }

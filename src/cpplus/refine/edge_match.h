@@ -10,7 +10,9 @@ namespace cpplus {
 
 /// A sample of a map edge and the image edge that it matches.
 struct EdgeMatch {
+  /// Under a rolling shutter the place where the middle row's pose sees the point as the pose of its own row does.
   Eigen::Vector3d x_in_map = Eigen::Vector3d::Zero();
+  double row_fraction = 0.0;                          // of the image edge (geometry/image_pose.h)
   uint32_t edge = 0;                                  // index of the MapEdge
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();    // of the image edge
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // unit, across the projected map edge

@@ -8,8 +8,8 @@
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/refine/drift_model.h"
+#include "cpplus/refine/joint_terms.h"
 #include "cpplus/refine/selected_inverse.h"
-#include "cpplus/refine/surface_match_residual.h"
 
 namespace cpplus {
 namespace {
@@ -18,30 +18,10 @@ constexpr int kMaxSteps = 12;
 // Scale of the patches' loss in the first round, in that of the last: poses that start tens of pixels off are drawn in
 // by all their patches before outliers lose their weight (graduated non-convexity).
 constexpr double kFirstPatchLoss = 16.0;
-constexpr double kStudentDegrees = 4.0;
 // Least and largest size of the drift, in prior sigmas.
 constexpr double kMinDrift = 0.03;
 constexpr double kMaxDrift = 2.0;
 constexpr int kLearningSteps = 3;  // a round
-
-// Normal equations of one image's own evidence: its robust cost and half its derivatives by the perturbation.
-struct EdgeTerm {
-  Matrix6d h = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();
-  double cost = 0.0;
-};
-
-struct PairTerm {
-  size_t a = 0, b = 0;
-  std::vector<const SurfaceMatch*> matches;
-  std::vector<double> weights;
-  Matrix6d h_aa = Matrix6d::Zero();
-  Matrix6d h_ab = Matrix6d::Zero();
-  Matrix6d h_bb = Matrix6d::Zero();
-  Vector6d g_a = Vector6d::Zero();
-  Vector6d g_b = Vector6d::Zero();
-  double cost = 0.0;
-};
 
 // Drift of a camera in prior sigmas; gaps in units of the camera's typical one.
 struct Drift {
@@ -60,8 +40,23 @@ struct Drift {
   }
 };
 
-double cauchy_cost(double squared, double scale) { return scale * scale * std::log1p(squared / (scale * scale)); }
-double cauchy_weight(double squared, double scale) { return 1.0 / (1.0 + squared / (scale * scale)); }
+// Above this share of its prior deviation the data say little of a parameter.
+constexpr double kUndetermined = 0.7;
+
+// Names of the shared parameters that keep about their prior; sigmas in those of the prior.
+std::vector<std::string> undetermined_parameters(const Imaging& imaging, const Eigen::VectorXd& sigma_ratios) {
+  std::vector<std::string> names = {"rotation x",    "rotation y",    "rotation z", "translation x",
+                                    "translation y", "translation z", "time offset"};
+  if (imaging.has_readout()) names.emplace_back("readout");
+  if (imaging.num_intrinsics() > 0) {
+    for (const std::string& name : camera_model_param_names(imaging.camera().model())) names.push_back(name);
+  }
+  std::vector<std::string> undetermined;
+  for (size_t k = 0; k < names.size(); ++k) {
+    if (sigma_ratios(static_cast<Eigen::Index>(k)) > kUndetermined) undetermined.push_back(names[k]);
+  }
+  return undetermined;
+}
 
 class JointSolver {
  public:
@@ -71,17 +66,13 @@ class JointSolver {
     for (const JointImage& image : problem.images) poses_.push_back(image.camera_from_map);
     matches_.resize(poses_.size());
     in_sequence_.resize(poses_.size(), false);
-    edge_terms_.resize(poses_.size());
+    own_terms_.resize(poses_.size());
     int column = static_cast<int>(6 * poses_.size());
     for (const auto& [camera, sequence] : problem.sequences) {
       shared_column_[camera] = column;
-      shared_[camera] = Vector7d::Zero();
-      column += 7;
-      std::vector<double> gaps;
-      for (size_t k = 1; k < sequence.size(); ++k) gaps.push_back(sequence[k].first - sequence[k - 1].first);
-      std::sort(gaps.begin(), gaps.end());
+      add_camera(camera, sequence);
+      column += static_cast<int>(shared_.at(camera).size());
       for (const auto& [time, i] : sequence) in_sequence_[i] = true;
-      typical_gap_[camera] = gaps.empty() ? 1.0 : std::max(1e-9, gaps[gaps.size() / 2]);
     }
     size_ = column;
     group_matches();
@@ -102,7 +93,26 @@ class JointSolver {
   }
 
  private:
-  using Vector7d = Eigen::Matrix<double, 7, 1>;
+  // Of each camera: extrinsic error, time offset, then the parameters of its Imaging.
+  using SharedValues = std::map<uint32_t, Eigen::VectorXd>;
+  static constexpr int kTimeOffset = 6;
+  static constexpr int kImaging = 7;
+
+  void add_camera(uint32_t camera, const std::vector<std::pair<double, size_t>>& sequence) {
+    std::vector<double> gaps;
+    for (size_t k = 1; k < sequence.size(); ++k) gaps.push_back(sequence[k].first - sequence[k - 1].first);
+    std::sort(gaps.begin(), gaps.end());
+    typical_gap_[camera] = gaps.empty() ? 1.0 : std::max(1e-9, gaps[gaps.size() / 2]);
+    const bool has_velocities = std::any_of(sequence.begin(), sequence.end(), [&](const auto& at) {
+      return problem_.images[at.second].velocity_per_s.has_value();
+    });
+    const Camera* taken_by = problem_.images[sequence.front().second].camera;
+    const Imaging imaging(taken_by != nullptr ? *taken_by : Camera(), has_velocities, options_.imaging);
+    imaging_.emplace(camera, imaging);
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(kImaging + imaging.num_parameters());
+    values.tail(imaging.num_parameters()) = imaging.values();
+    shared_[camera] = prior_means_[camera] = values;
+  }
 
   void group_matches() {
     std::map<std::pair<size_t, size_t>, std::vector<const SurfaceMatch*>> pairs;
@@ -112,7 +122,7 @@ class JointSolver {
     const double own = options_.patch_sigma_px * options_.patch_sigma_px;
     const double common = options_.plane_sigma_px * options_.plane_sigma_px;
     for (auto& [images, matches] : pairs) {
-      PairTerm pair;
+      SharedPatches pair;
       pair.a = images.first;
       pair.b = images.second;
       std::map<int32_t, int> on_plane;
@@ -125,6 +135,7 @@ class JointSolver {
       pair.matches = std::move(matches);
       pairs_.push_back(std::move(pair));
     }
+    pair_terms_.resize(pairs_.size());
   }
 
   double progress_of(int round) const {
@@ -138,82 +149,36 @@ class JointSolver {
 
   void match_edges(double radius_px) {
     parallel_for_each(poses_.size(), [&](size_t i) {
-      const JointImage& image = problem_.images[i];
-      if (image.edges == nullptr) return;
-      matches_[i] = image.edges->match(*image.camera, poses_[i], radius_px, edge_options_.noise, image.edges->all());
+      const EdgeEvidence* edges = problem_.images[i].edges;
+      if (edges == nullptr || !in_sequence_[i]) return;
+      const ImageState image = state(i, poses_[i]);
+      matches_[i] = edges->match(image.imaging->camera(), image.pose(), radius_px, edge_options_.noise, edges->all());
     });
+    for (const auto& [camera, imaging] : imaging_) matched_readout_s_[camera] = imaging.readout_s();
   }
 
-  EdgeTerm own_term(size_t i, const Rigid3& pose) const {
-    if (!in_sequence_[i]) return {};
-    return problem_.images[i].observed ? observation_term(*problem_.images[i].observed, pose) : edge_term(i, pose);
+  ImageState state(size_t i, const Rigid3& pose) const {
+    return {pose, velocity(i), &imaging_.at(problem_.images[i].camera_id)};
   }
 
-  // Gaussian up to the expected square of 6 numbers, beyond it Student's t: that alone would be 2.5 times as sharp at
-  // its top.
-  EdgeTerm observation_term(const PoseObservation& observed, const Rigid3& pose) const {
-    const Matrix6d information = observed.information / options_.covariance_inflation;
-    const Vector6d difference = camera_difference(observed.camera_from_map, pose);
-    const double squared = difference.dot(information * difference);
-    const double beyond = std::max(0.0, squared - 6.0) / (kStudentDegrees + 6.0);
-    EdgeTerm term;
-    term.h = information / (1.0 + beyond);
-    term.g = term.h * difference;
-    term.cost = std::min(squared, 6.0) + (kStudentDegrees + 6.0) * std::log1p(beyond);
-    return term;
-  }
-
-  EdgeTerm edge_term(size_t i, const Rigid3& pose) const {
-    EdgeTerm term;
-    for (const EdgeMatch& m : matches_[i]) {
-      Eigen::Vector2d pixel;
-      Eigen::Matrix<double, 2, 3> d_pixel_d_x;
-      const Eigen::Vector3d x = pose * m.x_in_map;
-      if (!problem_.images[i].camera->project(x, &pixel, &d_pixel_d_x)) continue;
-      const double r = m.normal.dot(pixel - m.pixel) / m.sigma_px;
-      const Eigen::RowVector3d slope = m.normal.transpose() * d_pixel_d_x / m.sigma_px;
-      Vector6d j;
-      j << slope.transpose().cross(x), -slope.transpose();
-      const double weight = m.weight * cauchy_weight(r * r, edge_options_.loss_scale);
-      term.h.noalias() += weight * j * j.transpose();
-      term.g += weight * r * j;
-      term.cost += m.weight * cauchy_cost(r * r, edge_options_.loss_scale);
+  EvidenceTerm own_term(size_t i, const Rigid3& pose) const {
+    const JointImage& image = problem_.images[i];
+    if (!in_sequence_[i]) return EvidenceTerm();
+    if (image.observed) {
+      return observation_term(*image.observed, image.observed->information / options_.covariance_inflation, pose);
     }
-    return term;
+    return edge_term(matches_[i], state(i, pose), matched_readout_s_.at(image.camera_id), edge_options_.loss_scale);
   }
 
-  void evaluate(PairTerm* pair, const std::vector<Rigid3>& poses) const {
-    pair->h_aa.setZero();
-    pair->h_ab.setZero();
-    pair->h_bb.setZero();
-    pair->g_a.setZero();
-    pair->g_b.setZero();
-    pair->cost = 0.0;
-    const double variance = std::pow(options_.patch_sigma_px, 2) + std::pow(options_.plane_sigma_px, 2);
-    for (size_t k = 0; k < pair->matches.size(); ++k) {
-      const SurfaceMatch& match = *pair->matches[k];
-      const auto r = surface_match_residual(match, *problem_.images[pair->a].camera, poses[pair->a],
-                                            *problem_.images[pair->b].camera, poses[pair->b]);
-      if (!r) continue;
-      const Eigen::Vector2d by_range = match.range_sigma_m * r->by_range;
-      const Eigen::Matrix2d information =
-          (variance * Eigen::Matrix2d::Identity() + by_range * by_range.transpose()).inverse();
-      const double squared = r->residual.dot(information * r->residual);
-      const Eigen::Matrix2d w = pair->weights[k] * cauchy_weight(squared, patch_loss_scale_) * information;
-      pair->h_aa.noalias() += r->by_a.transpose() * w * r->by_a;
-      pair->h_ab.noalias() += r->by_a.transpose() * w * r->by_b;
-      pair->h_bb.noalias() += r->by_b.transpose() * w * r->by_b;
-      pair->g_a.noalias() += r->by_a.transpose() * (w * r->residual);
-      pair->g_b.noalias() += r->by_b.transpose() * (w * r->residual);
-      pair->cost += pair->weights[k] * cauchy_cost(squared, patch_loss_scale_);
-    }
+  PatchNoise patch_noise() const {
+    return {std::pow(options_.patch_sigma_px, 2) + std::pow(options_.plane_sigma_px, 2), patch_loss_scale_};
   }
 
   // Correction of the coarse pose that is not explained by what the images share.
-  Vector6d drift(size_t i, const std::vector<Rigid3>& poses, const std::map<uint32_t, Vector7d>& shared) const {
+  Vector6d drift(size_t i, const std::vector<Rigid3>& poses, const SharedValues& shared) const {
     const JointImage& image = problem_.images[i];
-    const Vector7d& s = shared.at(image.camera_id);
-    return camera_difference(image.coarse_camera_from_map, poses[i]) - s.head<6>() - velocity(i) * s(6);
+    const Eigen::VectorXd& s = shared.at(image.camera_id);
+    return camera_difference(image.coarse_camera_from_map, poses[i]) - s.head<6>() - velocity(i) * s(kTimeOffset);
   }
 
   Vector6d velocity(size_t i) const { return problem_.images[i].velocity_per_s.value_or(Vector6d::Zero()); }
@@ -223,16 +188,17 @@ class JointSolver {
     return std::max(1e-3, (sequence[k].first - sequence[k - 1].first) / typical_gap_.at(camera));
   }
 
-  Vector7d shared_sigmas() const {
-    Vector7d sigmas;
-    sigmas << 2.0 * prior_sigmas_, options_.time_offset_sigma_s;
+  Eigen::VectorXd shared_sigmas(uint32_t camera) const {
+    const Eigen::VectorXd& of_imaging = imaging_.at(camera).prior_sigmas();
+    Eigen::VectorXd sigmas(kImaging + of_imaging.size());
+    sigmas << 2.0 * prior_sigmas_, options_.time_offset_sigma_s, of_imaging;
     return sigmas;
   }
 
-  double prior_cost(const std::vector<Rigid3>& poses, const std::map<uint32_t, Vector7d>& shared) const {
+  double prior_cost(const std::vector<Rigid3>& poses, const SharedValues& shared) const {
     double cost = 0.0;
     for (const auto& [camera, sequence] : problem_.sequences) {
-      cost += shared.at(camera).cwiseQuotient(shared_sigmas()).squaredNorm();
+      cost += (shared.at(camera) - prior_means_.at(camera)).cwiseQuotient(shared_sigmas(camera)).squaredNorm();
       Vector6d last = Vector6d::Zero();
       for (size_t k = 0; k < sequence.size(); ++k) {
         const Vector6d d = drift(sequence[k].second, poses, shared).cwiseQuotient(prior_sigmas_);
@@ -249,12 +215,16 @@ class JointSolver {
     return cost;
   }
 
-  double evaluate_all(const std::vector<Rigid3>& poses, const std::map<uint32_t, Vector7d>& shared) {
-    parallel_for_each(poses.size(), [&](size_t i) { edge_terms_[i] = own_term(i, poses[i]); });
-    parallel_for_each(pairs_.size(), [&](size_t k) { evaluate(&pairs_[k], poses); });
+  double evaluate_all(const std::vector<Rigid3>& poses, const SharedValues& shared) {
+    for (auto& [camera, imaging] : imaging_) imaging.set_values(shared.at(camera).tail(imaging.num_parameters()));
+    parallel_for_each(poses.size(), [&](size_t i) { own_terms_[i] = own_term(i, poses[i]); });
+    parallel_for_each(pairs_.size(), [&](size_t k) {
+      const SharedPatches& pair = pairs_[k];
+      pair_terms_[k] = patch_term(pair, state(pair.a, poses[pair.a]), state(pair.b, poses[pair.b]), patch_noise());
+    });
     double cost = prior_cost(poses, shared);
-    for (const EdgeTerm& term : edge_terms_) cost += term.cost;
-    for (const PairTerm& pair : pairs_) cost += pair.cost;
+    for (const EvidenceTerm& term : own_terms_) cost += term.cost;
+    for (const EvidenceTerm& term : pair_terms_) cost += term.cost;
     return cost;
   }
 
@@ -264,6 +234,44 @@ class JointSolver {
     for (int c = 0; c < block.cols(); ++c) {
       for (int r = 0; r < block.rows(); ++r) {
         if (row + r >= column + c) triplets_.emplace_back(row + r, column + c, block(r, c));
+      }
+    }
+  }
+
+  // Columns of the unknowns of terms in which an image has a part.
+  void append_pose_columns(size_t i, std::vector<int>* columns) const {
+    for (int k = 0; k < 6; ++k) columns->push_back(static_cast<int>(6 * i) + k);
+  }
+  void append_imaging_columns(size_t i, std::vector<int>* columns) const {
+    const uint32_t camera = problem_.images[i].camera_id;
+    for (int k = 0; k < imaging_.at(camera).num_parameters(); ++k) {
+      columns->push_back(shared_column_.at(camera) + kImaging + k);
+    }
+  }
+  // An observation has no part in the imaging.
+  std::vector<int> own_columns(size_t i) const {
+    std::vector<int> columns;
+    append_pose_columns(i, &columns);
+    if (own_terms_[i].g.size() > 6) append_imaging_columns(i, &columns);
+    return columns;
+  }
+  std::vector<int> pair_columns(const SharedPatches& pair) const {
+    std::vector<int> columns;
+    append_pose_columns(pair.a, &columns);
+    append_pose_columns(pair.b, &columns);
+    append_imaging_columns(pair.a, &columns);
+    append_imaging_columns(pair.b, &columns);
+    return columns;
+  }
+
+  void add_term(const std::vector<int>& columns, const EvidenceTerm& term) {
+    const auto count = static_cast<Eigen::Index>(columns.size());
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const int column = columns[static_cast<size_t>(c)];
+      gradient_(column) += term.g(c);
+      for (Eigen::Index r = 0; r < count; ++r) {
+        const int row = columns[static_cast<size_t>(r)];
+        if (row >= column) triplets_.emplace_back(row, column, term.h(r, c));
       }
     }
   }
@@ -297,21 +305,9 @@ class JointSolver {
     for (size_t i = 0; i < poses_.size(); ++i) {
       const int column = static_cast<int>(6 * i);
       if (!in_sequence_[i]) add_block(column, column, Matrix6d(Matrix6d::Identity()));
-      add_block(column, column, edge_terms_[i].h);
-      gradient_.segment<6>(column) += edge_terms_[i].g;
+      add_term(own_columns(i), own_terms_[i]);
     }
-    for (const PairTerm& pair : pairs_) {
-      const int a = static_cast<int>(6 * pair.a);
-      const int b = static_cast<int>(6 * pair.b);
-      add_block(a, a, pair.h_aa);
-      add_block(b, b, pair.h_bb);
-      if (a > b)
-        add_block(a, b, pair.h_ab);
-      else
-        add_block(b, a, Matrix6d(pair.h_ab.transpose()));
-      gradient_.segment<6>(a) += pair.g_a;
-      gradient_.segment<6>(b) += pair.g_b;
-    }
+    for (size_t k = 0; k < pairs_.size(); ++k) add_term(pair_columns(pairs_[k]), pair_terms_[k]);
     for (const auto& [camera, sequence] : problem_.sequences) assemble_sequence(camera, sequence);
     information_.resize(size_, size_);
     information_.setFromTriplets(triplets_.begin(), triplets_.end());
@@ -319,9 +315,9 @@ class JointSolver {
 
   void assemble_sequence(uint32_t camera, const std::vector<std::pair<double, size_t>>& sequence) {
     const int shared_column = shared_column_.at(camera);
-    const Vector7d w = shared_sigmas().cwiseAbs2().cwiseInverse();
-    add_block(shared_column, shared_column, Eigen::Matrix<double, 7, 7>(w.asDiagonal()));
-    gradient_.segment<7>(shared_column) += w.cwiseProduct(shared_.at(camera));
+    const Eigen::VectorXd w = shared_sigmas(camera).cwiseAbs2().cwiseInverse();
+    add_block(shared_column, shared_column, Eigen::MatrixXd(w.asDiagonal()));
+    gradient_.segment(shared_column, w.size()) += w.cwiseProduct(shared_.at(camera) - prior_means_.at(camera));
     for (size_t k = 0; k < sequence.size(); ++k) {
       const size_t i = sequence[k].second;
       const int column = static_cast<int>(6 * i);
@@ -352,11 +348,11 @@ class JointSolver {
       factorise(damped);
       const Eigen::VectorXd x = -factor_.solve(gradient_);
       std::vector<Rigid3> poses = poses_;
-      std::map<uint32_t, Vector7d> shared = shared_;
+      SharedValues shared = shared_;
       for (size_t i = 0; i < poses.size(); ++i) {
         poses[i] = perturb_camera(poses[i], x.segment<6>(static_cast<Eigen::Index>(6 * i)));
       }
-      for (auto& [camera, value] : shared) value += x.segment<7>(shared_column_.at(camera));
+      for (auto& [camera, value] : shared) value += x.segment(shared_column_.at(camera), value.size());
       const double new_cost = evaluate_all(poses, shared);
       if (!(new_cost < cost)) {
         damping = std::max(1e-4, 10.0 * damping);
@@ -452,10 +448,19 @@ class JointSolver {
     const SelectedInverse inverse(factor_);
     std::vector<PoseGuess> guesses;
     for (size_t i = 0; i < poses_.size(); ++i) {
-      const Matrix6d rest = covariance_block(inverse, i, i).inverse() - edge_terms_[i].h;
-      const Eigen::LDLT<Matrix6d> ldlt(rest);
-      guesses.emplace_back(perturb_camera(poses_[i], ldlt.solve(edge_terms_[i].g)),
-                           Matrix6d(ldlt.solve(Matrix6d::Identity())));
+      // Of its pose and of the parameters that its own evidence depends on.
+      const std::vector<int> columns = own_columns(i);
+      const auto count = static_cast<Eigen::Index>(columns.size());
+      Eigen::MatrixXd covariance(count, count);
+      for (Eigen::Index r = 0; r < count; ++r) {
+        for (Eigen::Index c = 0; c < count; ++c) {
+          covariance(r, c) = inverse.at(columns[static_cast<size_t>(r)], columns[static_cast<size_t>(c)]);
+        }
+      }
+      const Eigen::LDLT<Eigen::MatrixXd> rest(covariance.inverse() - own_terms_[i].h);
+      const Vector6d step = rest.solve(own_terms_[i].g).head<6>();
+      const Matrix6d of_pose = rest.solve(Eigen::MatrixXd::Identity(count, count)).topLeftCorner<6, 6>();
+      guesses.emplace_back(perturb_camera(poses_[i], step), of_pose);
     }
     return guesses;
   }
@@ -463,11 +468,9 @@ class JointSolver {
   // Divides the information of edges and patches (that of observations is so already).
   void inflate_evidence() {
     for (size_t i = 0; i < poses_.size(); ++i) {
-      if (!problem_.images[i].observed) edge_terms_[i].h /= options_.covariance_inflation;
+      if (!problem_.images[i].observed) own_terms_[i].h /= options_.covariance_inflation;
     }
-    for (PairTerm& pair : pairs_) {
-      for (Matrix6d* h : {&pair.h_aa, &pair.h_ab, &pair.h_bb}) *h /= options_.covariance_inflation;
-    }
+    for (EvidenceTerm& term : pair_terms_) term.h /= options_.covariance_inflation;
   }
 
   JointResult result() {
@@ -478,20 +481,37 @@ class JointSolver {
     factorise(information_);
     const SelectedInverse inverse(factor_);
     for (size_t i = 0; i < poses_.size(); ++i) {
-      result.poses.push_back({poses_[i], covariance_block(inverse, i, i), from_others[i]});
+      Vector6d motion = Vector6d::Zero();
+      if (in_sequence_[i]) motion = state(i, poses_[i]).pose().motion;
+      result.poses.push_back({poses_[i], motion, covariance_block(inverse, i, i), from_others[i]});
     }
-    for (const auto& [camera, value] : shared_) {
-      SharedErrors errors;
-      const int column = shared_column_.at(camera);
-      errors.num_images = static_cast<int>(problem_.sequences.at(camera).size());
-      errors.extrinsic = value.head<6>();
-      const auto sigma = [&](int k) { return std::sqrt(inverse.at(column + k, column + k)); };
-      for (int k = 0; k < 6; ++k) errors.extrinsic_sigmas(k) = sigma(k);
-      errors.time_offset_s = value(6);
-      errors.time_offset_sigma_s = sigma(6);
-      result.shared[camera] = errors;
+    for (const auto& [camera, sequence] : problem_.sequences) {
+      result.shared[camera] = shared_errors(camera, inverse, static_cast<int>(sequence.size()));
+      result.cameras.emplace(camera, imaging_.at(camera).camera());
     }
     return result;
+  }
+
+  SharedErrors shared_errors(uint32_t camera, const SelectedInverse& inverse, int num_images) const {
+    const Eigen::VectorXd& value = shared_.at(camera);
+    const Imaging& imaging = imaging_.at(camera);
+    Eigen::VectorXd sigmas(value.size());
+    for (Eigen::Index k = 0; k < sigmas.size(); ++k) {
+      const Eigen::Index column = shared_column_.at(camera) + k;
+      sigmas(k) = std::sqrt(inverse.at(column, column));
+    }
+    SharedErrors errors;
+    errors.num_images = num_images;
+    errors.extrinsic = value.head<6>();
+    errors.extrinsic_sigmas = sigmas.head<6>();
+    errors.time_offset_s = value(kTimeOffset);
+    errors.time_offset_sigma_s = sigmas(kTimeOffset);
+    if (imaging.has_readout()) errors.readout = Estimate{value(kImaging), sigmas(kImaging)};
+    for (Eigen::Index k = value.size() - imaging.num_intrinsics(); k < value.size(); ++k) {
+      errors.intrinsics.push_back({value(k) - prior_means_.at(camera)(k), sigmas(k)});
+    }
+    errors.undetermined = undetermined_parameters(imaging, sigmas.cwiseQuotient(shared_sigmas(camera)));
+    return errors;
   }
 
   const JointProblem& problem_;
@@ -499,14 +519,18 @@ class JointSolver {
   const JointEdgeOptions& edge_options_;
   const JointOptions& options_;
   std::vector<Rigid3> poses_;
-  std::map<uint32_t, Vector7d> shared_;  // extrinsic error, time offset
+  std::map<uint32_t, Imaging> imaging_;  // with the values in shared_
+  std::map<uint32_t, double> matched_readout_s_;
+  SharedValues shared_;
+  SharedValues prior_means_;
   std::map<uint32_t, int> shared_column_;
   std::map<uint32_t, double> typical_gap_;
   int size_ = 0;
   std::vector<char> in_sequence_;  // others have no part; their columns are held by ones on the diagonal
   std::vector<std::vector<EdgeMatch>> matches_;
-  std::vector<EdgeTerm> edge_terms_;
-  std::vector<PairTerm> pairs_;
+  std::vector<EvidenceTerm> own_terms_;  // of each image: its edges or its observation
+  std::vector<SharedPatches> pairs_;
+  std::vector<EvidenceTerm> pair_terms_;
   double patch_loss_scale_ = 1.0;
   Drift drift_;
   std::vector<Eigen::Triplet<double>> triplets_;
@@ -523,6 +547,7 @@ void JointOptions::validate() const {
   check_option(plane_sigma_px > 0, "plane_sigma_px", "(0, inf)", plane_sigma_px);
   check_option(time_offset_sigma_s > 0, "time_offset_sigma_s", "(0, inf)", time_offset_sigma_s);
   check_option(covariance_inflation >= 1, "covariance_inflation", "[1, inf)", covariance_inflation);
+  imaging.validate();
 }
 
 JointResult solve_joint(const JointProblem& problem, const Vector6d& prior_sigmas, const JointEdgeOptions& edges,

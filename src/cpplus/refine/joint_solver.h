@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cpplus/cloud/surface_match.h"
@@ -9,6 +10,8 @@
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/rigid3.h"
 #include "cpplus/refine/edge_evidence.h"
+#include "cpplus/refine/imaging.h"
+#include "cpplus/refine/joint_terms.h"
 #include "cpplus/refine/pose_guess.h"
 
 namespace cpplus {
@@ -25,6 +28,7 @@ struct JointOptions {
   /// Poses are less certain by about this factor on their covariance than independent matches would make them: matches
   /// may be wrong, and neighbouring edges, planes and images share the errors of the map. [1, inf)
   double covariance_inflation = 7.0;
+  ImagingOptions imaging;
 
   void validate() const;
   template <typename Visitor>
@@ -33,7 +37,9 @@ struct JointOptions {
     visitor("patch_sigma_px", patch_sigma_px, "Standard deviation of a patch's place in another image, pixels.");
     visitor("plane_sigma_px", plane_sigma_px, "What all patches of a plane have in common, pixels.");
     visitor("time_offset_sigma_s", time_offset_sigma_s, "Standard deviation of the time offset, seconds.");
-    visitor("covariance_inflation", covariance_inflation, "Factor on covariances, for errors that matches have in common.");
+    visitor("covariance_inflation", covariance_inflation,
+            "Factor on covariances, for errors that matches have in common.");
+    visitor.group("imaging", imaging);
   }
 };
 
@@ -45,14 +51,8 @@ struct JointEdgeOptions {
   EdgeEvidence::Noise noise;
 };
 
-/// What one image says of its pose, without the prior: information of the perturbation (geometry/rigid3.h).
-struct PoseObservation {
-  Rigid3 camera_from_map;
-  Matrix6d information = Matrix6d::Zero();
-};
-
 struct JointImage {
-  const Camera* camera = nullptr;
+  const Camera* camera = nullptr;  // null: an image without edges and patches needs none
   uint32_t camera_id = 0;
   Rigid3 coarse_camera_from_map;
   Rigid3 camera_from_map;               // where the solve starts
@@ -71,10 +71,19 @@ struct JointProblem {
 };
 
 struct JointPose {
-  Rigid3 camera_from_map;
+  Rigid3 camera_from_map;  // of the middle row
+  /// Perturbation of the camera from the first row to the last (geometry/image_pose.h).
+  Vector6d motion = Vector6d::Zero();
   Matrix6d covariance = Matrix6d::Zero();  // of the perturbation in geometry/rigid3.h
   /// What everything but the image's own edges (or observation) says of its pose; not inflated, as these are not.
   PoseGuess from_others;
+
+  ImagePose image_pose() const { return {camera_from_map, motion}; }
+};
+
+struct Estimate {
+  double value = 0.0;
+  double sigma = 0.0;
 };
 
 /// What the coarse poses of all images of one camera have wrong in common.
@@ -86,11 +95,18 @@ struct SharedErrors {
   /// Constant perturbation of the camera (geometry/rigid3.h): rad, rad, rad, m, m, m.
   Vector6d extrinsic = Vector6d::Zero();
   Vector6d extrinsic_sigmas = Vector6d::Zero();
+  /// Seconds from the first to the last row; nothing where it is not solved for.
+  std::optional<Estimate> readout;
+  /// Changes of the given ones, in the order of Camera::params(); empty where they are not solved for.
+  std::vector<Estimate> intrinsics;
+  /// Names of the parameters above of which the data say little: they keep about their prior.
+  std::vector<std::string> undetermined;
 };
 
 struct JointResult {
   std::vector<JointPose> poses;
   std::map<uint32_t, SharedErrors> shared;  // by camera
+  std::map<uint32_t, Camera> cameras;       // with the intrinsics found
 };
 
 /// Solves all images together. The correction c_i of a coarse pose (perturbation, geometry/rigid3.h) is
@@ -102,7 +118,8 @@ struct JointResult {
 /// an image on its own gives; Student's t with 4 degrees of freedom), the places where patches of the map's planes are
 /// found in other images (surface_match_residual.h), and the priors of e, t and of the drift (drift_model.h). How large
 /// and how smooth that is follows from the data (expectation maximisation), so that errors that are independent from
-/// image to image are found to be so. Sparse: cost linear in images.
+/// image to image are found to be so. On demand the readout time of a rolling shutter and the intrinsics are unknowns
+/// of each camera as well (imaging.h). Sparse: cost linear in images.
 JointResult solve_joint(const JointProblem& problem, const Vector6d& prior_sigmas, const JointEdgeOptions& edges,
                         const JointOptions& options);
 

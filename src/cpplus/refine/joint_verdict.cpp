@@ -34,10 +34,10 @@ class JointJudge {
       : camera_(camera), candidate_(candidate), edges_(*candidate.edges), before_(before), options_(options) {}
 
   RefinePoseResult run() {
-    const Rigid3& pose = candidate_.pose.camera_from_map;
+    const ImagePose pose = candidate_.pose.image_pose();
     RefinePoseResult result;
     result.camera_from_map = candidate_.coarse_camera_from_map;
-    result.candidate_camera_from_map = pose;
+    result.candidate_camera_from_map = pose.camera_from_map;
     result.num_samples = static_cast<int>(edges_.num_samples());
     result.after = residual_of(edges_.all(), pose);
     result.held_out_after = cross_validate(pose);
@@ -57,21 +57,21 @@ class JointJudge {
     result.reason = objection(result);
     if (!result.reason.empty()) return result;
     result.status = RefineStatus::kRefined;
-    result.camera_from_map = pose;
+    result.camera_from_map = pose.camera_from_map;
     return result;
   }
 
  private:
   EdgeEvidence::Noise noise() const { return {options_.image_sigma_px, options_.edge_sigma_px}; }
 
-  EdgeResidual residual_of(const EdgeEvidence::Selection& selection, const Rigid3& pose) const {
+  EdgeResidual residual_of(const EdgeEvidence::Selection& selection, const ImagePose& pose) const {
     EdgeResidual residual = summarise(edges_.distances(camera_, pose, options_.first_radius_px, selection),
                                       options_.first_radius_px, options_.last_radius_px);
     residual.log_ratio = edges_.log_ratio(camera_, pose, options_.search.last_kernel_px, selection);
     return residual;
   }
 
-  EdgeResidual cross_validate(const Rigid3& pose) const {
+  EdgeResidual cross_validate(const ImagePose& pose) const {
     const std::vector<EdgeEvidence::Selection> folds = edges_.folds(options_.folds);
     std::vector<double> distances;
     double log_ratio = 0.0;
@@ -81,9 +81,10 @@ class JointJudge {
         if (fold != held_out) others.insert(others.end(), folds[fold].begin(), folds[fold].end());
       }
       const std::vector<EdgeMatch> matches = edges_.match(camera_, pose, options_.first_radius_px, noise(), others);
-      const Rigid3 judged =
-          solve_pose(camera_, pose, matches, candidate_.pose.from_others, options_.loss_scale, kMaxPoseIterations)
-              .camera_from_map;
+      const ImagePose judged(solve_pose(camera_, pose.camera_from_map, matches, candidate_.pose.from_others,
+                                        options_.loss_scale, kMaxPoseIterations)
+                                 .camera_from_map,
+                             pose.motion);
       const std::vector<double> more = edges_.distances(camera_, judged, options_.first_radius_px, folds[held_out]);
       distances.insert(distances.end(), more.begin(), more.end());
       log_ratio += edges_.log_ratio(camera_, judged, options_.search.last_kernel_px, folds[held_out]);
@@ -122,7 +123,7 @@ class JointJudge {
     sample.direction_in_map = Eigen::Vector3d::UnitX();
     for (const Eigen::Vector3d& x : candidate_.surface_in_map) {
       sample.x_in_map = x;
-      const auto projected = project_sample(camera_, candidate_.pose.camera_from_map, sample);
+      const auto projected = project_sample(camera_, candidate_.pose.image_pose(), sample);
       if (!projected) continue;
       sum += std::sqrt((projected->d_pixel_d_delta * covariance * projected->d_pixel_d_delta.transpose()).trace());
       ++count;

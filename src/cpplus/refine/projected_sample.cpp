@@ -2,10 +2,30 @@
 
 namespace cpplus {
 
-std::optional<ProjectedSample> project_sample(const Camera& camera, const Rigid3& camera_from_map,
-                                              const EdgeSample& sample) {
-  const Eigen::Vector3d x_in_camera = camera_from_map * sample.x_in_map;
+namespace {
+
+// Rows hardly move while one is read: each step leaves a few percent of the last one's change.
+constexpr int kRowSteps = 3;
+
+std::optional<Rigid3> pose_of_row(const Camera& camera, const ImagePose& pose, const Eigen::Vector3d& x_in_map) {
+  Rigid3 camera_from_map = pose.camera_from_map;
+  for (int step = 0; pose.moves() && step < kRowSteps; ++step) {
+    const auto pixel = camera.project(camera_from_map * x_in_map);
+    if (!pixel) return std::nullopt;
+    camera_from_map = pose.at(row_fraction(pixel->y(), camera.height()));
+  }
+  return camera_from_map;
+}
+
+}  // namespace
+
+std::optional<ProjectedSample> project_sample(const Camera& camera, const ImagePose& pose, const EdgeSample& sample) {
+  const auto row_from_map = pose_of_row(camera, pose, sample.x_in_map);
+  if (!row_from_map) return std::nullopt;
   ProjectedSample projected;
+  projected.camera_from_map = *row_from_map;
+  const Rigid3& camera_from_map = projected.camera_from_map;
+  const Eigen::Vector3d x_in_camera = camera_from_map * sample.x_in_map;
   Eigen::Matrix<double, 2, 3> d_pixel_d_camera_point;
   if (!camera.project(x_in_camera, &projected.pixel, &d_pixel_d_camera_point)) return std::nullopt;
 

@@ -15,8 +15,10 @@ Eigen::Matrix3d turning(const Eigen::Vector3d& x) {
 }  // namespace
 
 std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& match, const Camera& camera_a,
-                                                           const Rigid3& a_from_map, const Camera& camera_b,
-                                                           const Rigid3& b_from_map) {
+                                                           const ImagePose& pose_a, const Camera& camera_b,
+                                                           const ImagePose& pose_b) {
+  const Rigid3 a_from_map = pose_a.at(row_fraction(match.pixel_a.y(), camera_a.height()));
+  const Rigid3 b_from_map = pose_b.at(row_fraction(match.pixel_b.y(), camera_b.height()));
   const auto bearing = camera_a.unproject(match.pixel_a);
   if (!bearing) return std::nullopt;
   const Eigen::Matrix3d map_from_a = a_from_map.rotation.conjugate().toRotationMatrix();

@@ -5,6 +5,7 @@
 
 #include "cpplus/cloud/surface_match.h"
 #include "cpplus/geometry/camera.h"
+#include "cpplus/geometry/image_pose.h"
 #include "cpplus/geometry/rigid3.h"
 
 namespace cpplus {
@@ -23,10 +24,11 @@ struct SurfaceMatchResidual {
 ///
 ///   x = c_a + s d,  d = R_map_a bearing,  s = n^T (p - c_a) / (n^T d),     r = pi_b(T_b_map x) - pixel_b
 ///
-/// A camera a that moves by v moves the point by (I - d n^T / (n^T d)) v, always within the plane. Nothing where a
-/// camera model does not hold, or the plane is not met in front of camera a.
+/// A camera a that moves by v moves the point by (I - d n^T / (n^T d)) v, always within the plane. Under a rolling
+/// shutter both poses are those of the rows of the two pixels. Nothing where a camera model does not hold, or the plane
+/// is not met in front of camera a.
 std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& match, const Camera& camera_a,
-                                                           const Rigid3& a_from_map, const Camera& camera_b,
-                                                           const Rigid3& b_from_map);
+                                                           const ImagePose& pose_a, const Camera& camera_b,
+                                                           const ImagePose& pose_b);
 
 }  // namespace cpplus

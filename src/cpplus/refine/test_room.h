@@ -13,6 +13,7 @@
 #include "cpplus/core/random.h"
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/image_edge.h"
+#include "cpplus/geometry/image_pose.h"
 #include "cpplus/geometry/rigid3.h"
 #include "cpplus/refine/edge_samples.h"
 
@@ -237,11 +238,21 @@ class EdgelDrawing {
   std::map<std::pair<long, long>, ImageEdgel> edgels_;
 };
 
+/// Where a point falls when rows are exposed one after the other.
+inline std::optional<Eigen::Vector2d> project_by_rows(const Camera& camera, const ImagePose& pose,
+                                                      const Eigen::Vector3d& x_in_map) {
+  auto pixel = camera.project(pose.camera_from_map * x_in_map);
+  for (int k = 0; pixel && pose.moves() && k < 10; ++k) {
+    pixel = camera.project(pose.at(row_fraction(pixel->y(), camera.height())) * x_in_map);
+  }
+  return pixel;
+}
+
 /// What an edge detector would find in a photograph of the room.
-inline ImageEdges draw_room(const TestRoom& room, const Camera& camera, const Rigid3& camera_from_map,
+inline ImageEdges draw_room(const TestRoom& room, const Camera& camera, const ImagePose& pose,
                             const DrawnNoise& noise) {
   EdgelDrawing drawing(camera, noise);
-  const Eigen::Vector3d center = camera_center(camera_from_map);
+  const Eigen::Vector3d center = camera_center(pose.camera_from_map);
   for (int pass = 0; noise.room && pass < 2; ++pass) {  // texture after all edges, so that it covers none
     for (const MapEdge& edge : room.edges) {
       const double edge_offset = noise.edge_sigma_px * drawing.random().normal();
@@ -252,9 +263,9 @@ inline ImageEdges draw_room(const TestRoom& room, const Camera& camera, const Ri
       Eigen::Vector2d last(-1e9, -1e9);
       for (int k = 0; k < count; ++k) {
         const Eigen::Vector3d x = edge.start + (k + 0.5) / count * (edge.end - edge.start);
-        const auto pixel = camera.project(camera_from_map * x);
+        const auto pixel = project_by_rows(camera, pose, x);
         if (!pixel || !camera.in_image(*pixel) || (*pixel - last).norm() < 0.6) continue;
-        const auto ahead = camera.project(camera_from_map * (x + 1e-4 * edge.direction()));
+        const auto ahead = project_by_rows(camera, pose, x + 1e-4 * edge.direction());
         if (!ahead || !truly_visible(room, center, x)) continue;
         last = *pixel;
         const Eigen::Vector2d tangent = (*ahead - *pixel).normalized();

@@ -81,6 +81,15 @@ Json shared_json(const SharedErrors& shared) {
   json["time_offset_sigma_s"] = number(shared.time_offset_sigma_s);
   json["extrinsic"] = matrix_json(Eigen::Matrix<double, 1, 6>(shared.extrinsic.transpose()))[0];
   json["extrinsic_sigmas"] = matrix_json(Eigen::Matrix<double, 1, 6>(shared.extrinsic_sigmas.transpose()))[0];
+  if (shared.readout) {
+    json["readout_s"] = number(shared.readout->value);
+    json["readout_sigma_s"] = number(shared.readout->sigma);
+  }
+  for (const Estimate& parameter : shared.intrinsics) {
+    json["intrinsics_changes"].push_back(number(parameter.value));
+    json["intrinsics_sigmas"].push_back(number(parameter.sigma));
+  }
+  json["undetermined"] = shared.undetermined;
   return json;
 }
 
