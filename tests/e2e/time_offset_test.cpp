@@ -1,4 +1,4 @@
-// Stamps that are wrong by 20 ms, found by the joint solve.
+// Stamps that are wrong by 20 ms, and a rolling shutter of 30 ms, found by the joint solve.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -13,12 +13,31 @@ namespace cpplus {
 namespace {
 
 constexpr double kOffsetS = 0.02;
+constexpr double kReadoutS = 0.03;
 
 /// A hall with poses of the LiDAR at 10 Hz, as an odometry gives them.
-std::string simulate_hall(const std::string& world) {
-  const ProcessResult result =
-      run_cpplus({"simulate", "--scene", "hall", "--seed", "1", "--width", "512", "--height", "384", "--images", "16",
-                  "--scans", "300", "--lidar.rings", "16", "--lidar.azimuth-steps", "250", "--out", world});
+std::string simulate_hall(const std::string& world, double readout_s) {
+  const ProcessResult result = run_cpplus({"simulate",
+                                           "--scene",
+                                           "hall",
+                                           "--seed",
+                                           "1",
+                                           "--width",
+                                           "512",
+                                           "--height",
+                                           "384",
+                                           "--images",
+                                           "16",
+                                           "--scans",
+                                           "300",
+                                           "--lidar.rings",
+                                           "16",
+                                           "--lidar.azimuth-steps",
+                                           "250",
+                                           "--render.readout-s",
+                                           fmt::format("{}", readout_s),
+                                           "--out",
+                                           world});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return world;
 }
@@ -36,7 +55,7 @@ std::string write_late_stamps(const std::string& world, const std::string& file)
 /// The coarse poses have the true extrinsic and a trajectory that is as good as the map, so nothing is wrong but time.
 TEST(TimeOffset, OfTwentyMillisecondsIsFoundToTwo) {
   const std::string directory = make_test_directory();
-  const std::string world = simulate_hall(directory + "/world");
+  const std::string world = simulate_hall(directory + "/world", 0.0);
   const std::string rig = write_world_rig(directory + "/rig.yaml", inverse(world_lidar_from_camera(world)), world);
   const std::string trajectory = world + "/scans/poses.txt";
   const std::string coarse = directory + "/coarse";
@@ -54,6 +73,46 @@ TEST(TimeOffset, OfTwentyMillisecondsIsFoundToTwo) {
   EXPECT_NEAR(camera.at("time_offset_s").get<double>(), -kOffsetS, 0.002) << "to be added to the late stamps";
   EXPECT_LT(camera.at("time_offset_sigma_s").get<double>(), 0.004);
   EXPECT_GT(camera.at("time_offset_sigma_s").get<double>(), 0.0002);
+  EXPECT_NEAR(camera.at("readout_s").get<double>(), 0.0, 0.005) << "a global shutter";
+  EXPECT_EQ(camera.at("undetermined").size(), 0u);
+}
+
+TEST(RollingShutter, TheReadoutTimeIsFoundFromCoarsePoses) {
+  const std::string directory = make_test_directory();
+  const std::string world = simulate_hall(directory + "/world", kReadoutS);
+  const auto refine = [&](const std::string& out, const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"refine",
+                                          "--map",
+                                          world + "/map.pcd",
+                                          "--images",
+                                          world + "/images",
+                                          "--poses",
+                                          world + "/coarse_small",
+                                          "--stamps",
+                                          world + "/stamps.txt",
+                                          "--trajectory",
+                                          world + "/scans/poses.txt",
+                                          "--out",
+                                          out};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ProcessResult refined = run_cpplus(arguments);
+    EXPECT_EQ(refined.exit_code, 0) << refined.err;
+    const ProcessResult evaluated =
+        run_cpplus({"evaluate", "--estimate", out + "/sparse", "--reference", world + "/truth/poses", "--map",
+                    world + "/map.pcd", "--json", out + "/evaluation.json"});
+    EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
+    return nlohmann::json::parse(read_file(out + "/evaluation.json"));
+  };
+  const nlohmann::json rolling = refine(directory + "/rolling", {});
+  const nlohmann::json global = refine(directory + "/global", {"--joint-solve.imaging.readout-sigma-s", "0"});
+  const nlohmann::json report = nlohmann::json::parse(read_file(directory + "/rolling/report.json"));
+  EXPECT_NEAR(report.at("shared").begin()->at("readout_s").get<double>(), kReadoutS, 0.005);
+  const auto mean_shift = [](const nlohmann::json& evaluation) {
+    double sum = 0.0;
+    for (const auto& image : evaluation.at("images")) sum += image.at("mean_shift_px").get<double>();
+    return sum / static_cast<double>(evaluation.at("images").size());
+  };
+  EXPECT_LT(mean_shift(rolling), mean_shift(global));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace cpplus {
 struct ImagingOptions {
   /// Standard deviation of the time from the first to the last row of a rolling shutter, around zero, seconds; 0 holds
   /// it at zero (global shutter). [0, inf)
-  double readout_sigma_s = 0.0;
+  double readout_sigma_s = 0.02;
   /// Solve for the cameras' intrinsics as well.
   bool intrinsics = false;
   /// Standard deviations of the given intrinsics: of focal lengths as a share of them, of the principal point in
