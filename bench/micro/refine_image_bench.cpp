@@ -101,7 +101,7 @@ void register_all(const Scene& s) {
                         s.options.visibility);
   });
   add("Alone/silhouettes", [&s](const View& v) {
-    find_silhouettes(s.features.map, s.features.leaf_spacing, *v.camera, v.camera_from_map, s.options.silhouettes);
+    find_silhouettes(s.features.map, s.features.leaf_spacing, v.planes, s.options.silhouettes);
   });
   add("Alone/samples", [&s](const View& v) {
     sample_visible_edges(v.seen.edges, *v.camera, v.camera_from_map, v.planes, s.options.samples);

@@ -21,6 +21,9 @@ struct PlaneBuffer {
   Rigid3 camera_from_map;
   double cell_px = 4.0;
   Image<int32_t> plane;  // per cell: index of the plane instance, or kNone
+  /// Per cell: what the range of its plane does not exceed there, metres; the largest float without a plane. Empty where
+  /// nothing is known.
+  RangeImage range_bound;
   const std::vector<MapPlane>* planes = nullptr;
 
   /// Plane at an image pixel; kNone outside the image.

@@ -109,7 +109,7 @@ EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes
 EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes, const RefineImagesOptions& options) {
   return edges_in_view(
       features, planes,
-      find_silhouettes(features.map, features.leaf_spacing, planes.camera, planes.camera_from_map, options.silhouettes),
+      find_silhouettes(features.map, features.leaf_spacing, planes, options.silhouettes),
       options);
 }
 
@@ -185,7 +185,7 @@ JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, 
                              const GrayImage& image, const RefineImagesOptions& options) {
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
   const std::vector<ProjectedPoint> points =
-      project_points(features.map, features.leaf_spacing, camera, camera_from_map, options.silhouettes.max_distance_m);
+      project_points(features.map, features.leaf_spacing, planes, options.silhouettes.max_distance_m);
   RangeRaster raster = draw_range_raster(points, camera, options.silhouettes.cell_px);
   add_mean_ranges(points, kSurfaceDepthNoises * features.planes.noise_m, &raster);
   const EdgesInView seen = edges_in_view(

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "cpplus/visibility/view_box.h"
+
 namespace cpplus {
 namespace {
 
@@ -89,6 +91,7 @@ class Canvas {
   }
 
   Image<int32_t> take_planes() { return std::move(plane_); }
+  RangeImage take_ranges() { return std::move(nearest_); }
 
  private:
   double cell_px_;
@@ -107,8 +110,10 @@ PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& pl
   const double radius_m = kPatchRadiusLeaves * map.options().leaf_size_m;
   const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
   const Eigen::Vector3d offset = rotation * map.origin() + camera_from_map.translation;
+  const ViewBox box(camera);
   const auto draw_patch = [&](size_t k) {
     const Eigen::Vector3d x = rotation * surface.centers[k].cast<double>() + offset;
+    if (box.excludes(x.cast<float>(), static_cast<float>(radius_m))) return;
     const double range = x.norm();
     if (range > options.max_distance_m || range < 1e-3) return;
     const auto pixel = camera.project(x);
@@ -135,6 +140,7 @@ PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& pl
   buffer.camera_from_map = camera_from_map;
   buffer.cell_px = options.cell_px;
   buffer.plane = canvas.take_planes();
+  buffer.range_bound = canvas.take_ranges();
   buffer.planes = &planes.planes;
   return buffer;
 }

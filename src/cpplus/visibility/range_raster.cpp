@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "cpplus/visibility/hidden_ranges.h"
+#include "cpplus/visibility/view_box.h"
+
 namespace cpplus {
 namespace {
 
@@ -68,63 +71,20 @@ void erode_rows(const Image<Surfel>& surfels, const RangeImage& in, float cell_p
   }
 }
 
-// Bounds of X / Z and Y / Z of what the image may see; none for cameras that see far off their axis.
-struct TangentBox {
-  Eigen::Array2f low = Eigen::Array2f::Zero();
-  Eigen::Array2f high = Eigen::Array2f::Zero();
-  bool limited = false;
-
-  bool excludes(const Eigen::Vector3f& x) const {
-    return limited && (x.x() < low.x() * x.z() || x.x() > high.x() * x.z() || x.y() < low.y() * x.z() ||
-                       x.y() > high.y() * x.z() || x.z() < 0.0f);
-  }
-
-  // Whether all points within radius_m of this one are outside.
-  bool excludes(const Eigen::Vector3f& x, float radius_m) const {
-    if (!limited) return false;
-    const Eigen::Array2f below = low * x.z() - x.head<2>().array() - radius_m * (1.0f + low.abs());
-    const Eigen::Array2f above = x.head<2>().array() - high * x.z() - radius_m * (1.0f + high.abs());
-    return x.z() < -radius_m || (below > 0.0f).any() || (above > 0.0f).any();
-  }
-};
-
-TangentBox tangents_of_border(const Camera& camera) {
-  constexpr int kSteps = 32;
-  constexpr float kMargin = 0.01f;  // for what bulges between the steps
-  constexpr double kMinCos = 0.2;
-  TangentBox box;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double x = static_cast<double>(camera.width()) * i / kSteps - 0.5;
-    const double y = static_cast<double>(camera.height()) * i / kSteps - 0.5;
-    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, -0.5), Eigen::Vector2d(x, camera.height() - 0.5),
-                                         Eigen::Vector2d(-0.5, y), Eigen::Vector2d(camera.width() - 0.5, y)}) {
-      const auto bearing = camera.unproject(pixel);
-      if (!bearing || bearing->z() < kMinCos) return {};
-      const Eigen::Array2f tangents = (bearing->head<2>() / bearing->z()).cast<float>().array();
-      box.low = box.limited ? box.low.min(tangents) : tangents;
-      box.high = box.limited ? box.high.max(tangents) : tangents;
-      box.limited = true;
-    }
-  }
-  const Eigen::Array2f margin = kMargin * (box.high - box.low);
-  box.low -= margin;
-  box.high += margin;
-  return box;
-}
-
 // The points of some leaves in the camera's frame, waiting for their projection.
 class PointProjector {
  public:
-  PointProjector(const VoxelMap& map, const std::vector<float>& leaf_spacing, const Camera& camera,
-                 const Rigid3& camera_from_map, double max_distance_m, std::vector<ProjectedPoint>* points)
+  PointProjector(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
+                 double max_distance_m, std::vector<ProjectedPoint>* points)
       : map_(map),
         leaf_spacing_(leaf_spacing),
-        camera_(camera),
-        rotation_(camera_from_map.rotation.toRotationMatrix().cast<float>()),
+        camera_(planes.camera),
+        rotation_(planes.camera_from_map.rotation.toRotationMatrix().cast<float>()),
         // float32 holds 40 m to micrometres: the large offsets cancel in double first.
-        center_from_origin_((camera_center(camera_from_map) - map.origin()).cast<float>()),
-        box_(tangents_of_border(camera)),
-        min_cos_(static_cast<float>(std::cos(camera.max_view_angle()))),
+        center_from_origin_((camera_center(planes.camera_from_map) - map.origin()).cast<float>()),
+        box_(planes.camera),
+        hidden_(planes),
+        min_cos_(static_cast<float>(std::cos(planes.camera.max_view_angle()))),
         max_range_(static_cast<float>(max_distance_m)),
         leaf_diagonal_(static_cast<float>(std::sqrt(3.0) * map.options().leaf_size_m)),
         points_(*points) {}
@@ -141,7 +101,9 @@ class PointProjector {
  private:
   void add_points(uint32_t i, uint32_t end, float spacing) {
     const Eigen::Vector3f first = in_camera(i);
-    if (box_.excludes(first, leaf_diagonal_) || first.norm() > max_range_ + leaf_diagonal_) return;
+    const float range_of_first = first.norm();
+    if (box_.excludes(first, leaf_diagonal_) || range_of_first > max_range_ + leaf_diagonal_) return;
+    if (hidden_.hides(first, range_of_first)) return;
     for (; i < end; ++i) {
       const Eigen::Vector3f x = in_camera(i);
       const float squared_range = x.squaredNorm();
@@ -178,7 +140,8 @@ class PointProjector {
   const Camera& camera_;
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f center_from_origin_;
-  TangentBox box_;
+  ViewBox box_;
+  HiddenRanges hidden_;
   float min_cos_;
   float max_range_;
   float leaf_diagonal_;
@@ -191,14 +154,15 @@ class PointProjector {
 }  // namespace
 
 std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
-                                           const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
+                                           const PlaneBuffer& planes, double max_distance_m) {
   std::vector<ProjectedPoint> points;
   if (map.num_layers() == 0) return points;
   points.reserve(map.num_points() / 4);
-  PointProjector projector(map, leaf_spacing, camera, camera_from_map, max_distance_m, &points);
+  PointProjector projector(map, leaf_spacing, planes, max_distance_m, &points);
+  const Rigid3& camera_from_map = planes.camera_from_map;
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   for (const uint32_t root :
-       map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), max_distance_m)) {
+       map.roots_in_frustum(camera_center(camera_from_map), axis, planes.camera.max_view_angle(), max_distance_m)) {
     uint32_t leaf = root;
     uint32_t end = root + 1;
     for (int layer = 0; layer < map.leaf_layer(); ++layer) {

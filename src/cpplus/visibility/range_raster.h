@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "cpplus/cloud/plane_buffer.h"
 #include "cpplus/cloud/range_raster.h"
 #include "cpplus/cloud/voxel_map.h"
 #include "cpplus/geometry/camera.h"
-#include "cpplus/geometry/rigid3.h"
 
 namespace cpplus {
 
@@ -17,10 +17,11 @@ struct ProjectedPoint {
   float spacing_px = 0.0f;  // between it and its neighbours on the surface
 };
 
-/// The points within max_distance_m that project into the image and belong to a surface (finite spacing), whatever
-/// hides them. leaf_spacing as leaf_point_spacing() gives it.
+/// The points within max_distance_m that project into the image of the plane buffer and belong to a surface (finite
+/// spacing), without most of those that its planes hide clearly (hidden_ranges.h). leaf_spacing as leaf_point_spacing()
+/// gives it.
 std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
-                                           const Camera& camera, const Rigid3& camera_from_map, double max_distance_m);
+                                           const PlaneBuffer& planes, double max_distance_m);
 
 /// Points closed by squares of about their own spacing, so that gaps between them are filled while outlines stay on the
 /// outermost points' cells.

@@ -329,12 +329,12 @@ void SilhouetteOptions::validate() const {
   check_option(sigma_m > 0, "sigma_m", "(0, inf)", sigma_m);
 }
 
-std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing, const Camera& camera,
-                                      const Rigid3& camera_from_map, const SilhouetteOptions& options) {
+std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing,
+                                      const PlaneBuffer& planes, const SilhouetteOptions& options) {
   if (!options.enabled) return {};
-  const std::vector<ProjectedPoint> points =
-      project_points(map, leaf_spacing, camera, camera_from_map, options.max_distance_m);
-  return find_silhouettes(points, draw_range_raster(points, camera, options.cell_px), camera, camera_from_map, options);
+  const std::vector<ProjectedPoint> points = project_points(map, leaf_spacing, planes, options.max_distance_m);
+  return find_silhouettes(points, draw_range_raster(points, planes.camera, options.cell_px), planes.camera,
+                          planes.camera_from_map, options);
 }
 
 std::vector<MapEdge> find_silhouettes(const std::vector<ProjectedPoint>& points, const RangeRaster& raster,

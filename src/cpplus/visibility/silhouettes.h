@@ -57,11 +57,12 @@ struct SilhouetteOptions {
 /// The surface is drawn on cells (range_raster.h), its outlines are followed and cut where they bend
 /// (outline_chains.h). Each piece is then fitted to the outermost points of the near surface, one a bin along it, moved
 /// out by half of their mean distance as for the borders of planes: points at random end one spacing inside, wide beams
-/// reach beyond. Pieces of one straight stretch share a group. leaf_spacing as leaf_point_spacing() gives it. Edges of
-/// kind kSilhouette; normal_a and inward_a (towards the near surface, across the viewing ray) are unit vectors in the
-/// map frame. Linear in the points in view.
-std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing, const Camera& camera,
-                                      const Rigid3& camera_from_map, const SilhouetteOptions& options);
+/// reach beyond. Pieces of one straight stretch share a group. leaf_spacing as leaf_point_spacing() gives it; the view
+/// is that of the plane buffer, whose planes spare the points that they hide. Edges of kind kSilhouette; normal_a and
+/// inward_a (towards the near surface, across the viewing ray) are unit vectors in the map frame. Linear in the points
+/// in view.
+std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing,
+                                      const PlaneBuffer& planes, const SilhouetteOptions& options);
 
 /// The same from points that are projected and drawn already.
 std::vector<MapEdge> find_silhouettes(const std::vector<ProjectedPoint>& points, const RangeRaster& raster,

@@ -15,12 +15,20 @@ namespace {
 
 Camera pinhole() { return Camera(CameraModel::kPinhole, 1024, 768, {667, 667, 511.5, 383.5}); }
 
+// A view in which no plane hides anything.
+PlaneBuffer open_view(const Camera& camera, const Rigid3& camera_from_map) {
+  PlaneBuffer view;
+  view.camera = camera;
+  view.camera_from_map = camera_from_map;
+  return view;
+}
+
 std::vector<MapEdge> silhouettes_of(const PointCloud& cloud, const Camera& camera = pinhole(),
                                     const Rigid3& camera_from_map = Rigid3()) {
   const VoxelMap map(cloud, {});
   SilhouetteOptions options;
   options.enabled = true;
-  return find_silhouettes(map, leaf_point_spacing(map), camera, camera_from_map, options);
+  return find_silhouettes(map, leaf_point_spacing(map), open_view(camera, camera_from_map), options);
 }
 
 // A wall of 20 x 16 m at z = 8, a point every 3 cm.
@@ -151,14 +159,14 @@ TEST(FindSilhouettes, ThreadsDoNotChangeThem) {
 }
 
 TEST(FindSilhouettes, AnEmptyMapAndTheSwitchGiveNone) {
-  EXPECT_TRUE(find_silhouettes(VoxelMap(), {}, pinhole(), Rigid3(), {}).empty());
+  EXPECT_TRUE(find_silhouettes(VoxelMap(), {}, open_view(pinhole(), Rigid3()), {}).empty());
   Random random(9);
   PointCloud cloud = wall();
   add_rectangle({-1, -0.8, 4}, {2, 0, 0}, {0, 1.6, 0}, 0.015, 0.01, &random, &cloud);
   const VoxelMap map(cloud, {});
   SilhouetteOptions options;
   options.enabled = false;
-  EXPECT_TRUE(find_silhouettes(map, leaf_point_spacing(map), pinhole(), Rigid3(), options).empty());
+  EXPECT_TRUE(find_silhouettes(map, leaf_point_spacing(map), open_view(pinhole(), Rigid3()), options).empty());
 }
 
 TEST(SilhouetteOptions, ValuesOutOfRangeAreErrors) {

@@ -1,0 +1,70 @@
+#include "cpplus/visibility/hidden_ranges.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "cpplus/visibility/view_box.h"
+
+namespace cpplus {
+namespace {
+
+Camera pinhole() { return Camera(CameraModel::kPinhole, 640, 480, {400, 400, 319.5, 239.5}); }
+
+// A plane 4 m away that fills the left half of the image.
+PlaneBuffer half_hidden() {
+  PlaneBuffer planes;
+  planes.camera = pinhole();
+  planes.range_bound = RangeImage(160, 120, std::numeric_limits<float>::max());
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 80; ++x) planes.range_bound.at(x, y) = 4.0f;
+  }
+  return planes;
+}
+
+bool hides(const PlaneBuffer& planes, const Eigen::Vector3f& x) { return HiddenRanges(planes).hides(x, x.norm()); }
+
+TEST(HiddenRanges, WhatLiesClearlyBehindPlanesIsHidden) {
+  const PlaneBuffer planes = half_hidden();
+  EXPECT_TRUE(hides(planes, {-3, 0, 8}));
+  EXPECT_FALSE(hides(planes, {-1.5, 0, 4.0}));  // 0.27 m behind: within the margin
+  EXPECT_FALSE(hides(planes, {-1.0, 0, 3}));
+  EXPECT_FALSE(hides(planes, {3, 0, 8}));
+}
+
+TEST(HiddenRanges, NothingIsHiddenNearTheRimOfAPlaneNorOutsideTheImage) {
+  const PlaneBuffer planes = half_hidden();
+  EXPECT_FALSE(hides(planes, {-0.2f, 0, 8}));  // 10 px from the rim
+  EXPECT_TRUE(hides(planes, {-1.6f, 0, 8}));   // 80 px
+  EXPECT_FALSE(hides(planes, {-10, 0, 8}));
+  EXPECT_FALSE(hides(planes, {0, 0, -8}));
+  EXPECT_FALSE(hides(PlaneBuffer(), {-3, 0, 8}));
+}
+
+TEST(ViewBox, NothingThatProjectsIntoTheImageIsExcluded) {
+  const Camera camera(CameraModel::kOpenCv, 640, 480, {400, 410, 300, 250, -0.2, 0.05, 0.001, -0.002});
+  const ViewBox box(camera);
+  int excluded = 0;
+  for (float x = -4; x < 4; x += 0.05f) {
+    for (float y = -4; y < 4; y += 0.05f) {
+      const Eigen::Vector3f point(x, y, 3);
+      const auto pixel = camera.project(point.cast<double>());
+      const bool seen = pixel && camera.in_image(*pixel, -0.5);
+      EXPECT_FALSE(seen && box.excludes(point)) << x << " " << y;
+      EXPECT_LE(box.excludes(point, 0.1f), box.excludes(point)) << x << " " << y;
+      excluded += box.excludes(point);
+    }
+  }
+  EXPECT_GT(excluded, 10000);  // of 25,600
+  EXPECT_TRUE(box.excludes({0, 0, -1}));
+  EXPECT_FALSE(box.excludes({0, 0, -0.05f}, 0.1f));
+}
+
+TEST(ViewBox, WideCamerasHaveNone) {
+  const ViewBox box(Camera(CameraModel::kEquirectangular, 1024, 512, {1024, 512}));
+  EXPECT_FALSE(box.excludes({0, 0, -1}));
+  EXPECT_FALSE(box.excludes({9, 9, 0}, 0.1f));
+}
+
+}  // namespace
+}  // namespace cpplus
