@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "cpplus/geometry/rigid3.h"
+
 namespace cpplus {
 
 /// How what is wrong with a number changes from image to image: a stationary process with exponential memory
@@ -33,5 +35,24 @@ struct DriftPair {
 /// the maximisation of an expectation maximisation. sigma is at least min_sigma and at most max_sigma.
 DriftProcess most_likely_drift(const std::vector<double>& first_squares, const std::vector<DriftPair>& pairs,
                                double min_sigma, double max_sigma);
+
+/// Drift of a pose in units of its prior's standard deviations: one process for the rotation, one for the translation.
+struct PoseDrift {
+  DriftProcess rotation;
+  DriftProcess translation;
+
+  Vector6d correlations(double gap) const { return both(rotation.correlation(gap), translation.correlation(gap)); }
+  Vector6d sigmas() const { return both(rotation.sigma, translation.sigma); }
+  Vector6d innovation_sigmas(double gap) const {
+    return both(rotation.innovation_sigma(gap), translation.innovation_sigma(gap));
+  }
+
+ private:
+  static Vector6d both(double rotation, double translation) {
+    Vector6d result;
+    result << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
+    return result;
+  }
+};
 
 }  // namespace cpplus

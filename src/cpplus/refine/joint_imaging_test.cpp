@@ -61,6 +61,12 @@ struct MovingCamera {
   }
 };
 
+JointOptions with_global_shutter() {
+  JointOptions options;
+  options.imaging.readout_sigma_s = 0.0;
+  return options;
+}
+
 JointOptions with_readout() {
   JointOptions options;
   options.imaging.readout_sigma_s = 0.02;
@@ -68,7 +74,7 @@ JointOptions with_readout() {
 }
 
 JointOptions with_intrinsics() {
-  JointOptions options;
+  JointOptions options = with_global_shutter();
   options.imaging.intrinsics = true;
   return options;
 }
@@ -87,6 +93,7 @@ TEST(ImagePose, RowsLieBetweenTheFirstAndTheLast) {
 
 TEST(Imaging, ParametersAreTheReadoutAndThenTheIntrinsics) {
   ImagingOptions options;
+  options.readout_sigma_s = 0.0;
   EXPECT_EQ(Imaging(test_camera(), true, options).num_parameters(), 0);
   options.readout_sigma_s = 0.01;
   EXPECT_EQ(Imaging(test_camera(), false, options).num_parameters(), 0);
@@ -125,7 +132,7 @@ TEST(SolveJointImaging, TheReadoutTimeIsFound) {
 
 TEST(SolveJointImaging, AGlobalShutterMisplacesImagesOfARollingOne) {
   MovingCamera moving;
-  const JointResult result = moving.solve(0.03, {});
+  const JointResult result = moving.solve(0.03, with_global_shutter());
   EXPECT_FALSE(result.shared.at(1).readout);
   EXPECT_TRUE(result.poses[1].motion.isZero());
   EXPECT_GT(moving.worst_shift_px(result), 1.0);
@@ -134,7 +141,7 @@ TEST(SolveJointImaging, AGlobalShutterMisplacesImagesOfARollingOne) {
 TEST(SolveJointImaging, IntrinsicsAreFound) {
   MovingCamera moving;
   moving.given_camera = Camera(CameraModel::kOpenCv, 640, 480, {333, 331, 319, 240, -0.07, 0.02, 0.0, 0.0});
-  EXPECT_GT(moving.worst_shift_px(moving.solve(0.0, {})), 0.5);
+  EXPECT_GT(moving.worst_shift_px(moving.solve(0.0, with_global_shutter())), 0.5);
   const JointResult result = moving.solve(0.0, with_intrinsics());
   const std::vector<double>& found = result.cameras.at(1).params();
   const std::vector<Estimate>& changes = result.shared.at(1).intrinsics;

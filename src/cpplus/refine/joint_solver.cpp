@@ -2,13 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/refine/drift_model.h"
 #include "cpplus/refine/joint_terms.h"
+#include "cpplus/refine/normal_equations.h"
 #include "cpplus/refine/selected_inverse.h"
 
 namespace cpplus {
@@ -22,23 +22,6 @@ constexpr double kFirstPatchLoss = 16.0;
 constexpr double kMinDrift = 0.03;
 constexpr double kMaxDrift = 2.0;
 constexpr int kLearningSteps = 3;  // a round
-
-// Drift of a camera in prior sigmas; gaps in units of the camera's typical one.
-struct Drift {
-  DriftProcess rotation;
-  DriftProcess translation;
-
-  Vector6d correlations(double gap) const { return both(rotation.correlation(gap), translation.correlation(gap)); }
-  Vector6d sigmas() const { return both(rotation.sigma, translation.sigma); }
-  Vector6d innovation_sigmas(double gap) const {
-    return both(rotation.innovation_sigma(gap), translation.innovation_sigma(gap));
-  }
-  static Vector6d both(double rotation, double translation) {
-    Vector6d result;
-    result << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
-    return result;
-  }
-};
 
 // Above this share of its prior deviation the data say little of a parameter.
 constexpr double kUndetermined = 0.7;
@@ -74,7 +57,7 @@ class JointSolver {
       column += static_cast<int>(shared_.at(camera).size());
       for (const auto& [time, i] : sequence) in_sequence_[i] = true;
     }
-    size_ = column;
+    num_unknowns_ = column;
     group_matches();
   }
 
@@ -228,16 +211,6 @@ class JointSolver {
     return cost;
   }
 
-  // Lower triangle only.
-  template <typename Block>
-  void add_block(int row, int column, const Block& block) {
-    for (int c = 0; c < block.cols(); ++c) {
-      for (int r = 0; r < block.rows(); ++r) {
-        if (row + r >= column + c) triplets_.emplace_back(row + r, column + c, block(r, c));
-      }
-    }
-  }
-
   // Columns of the unknowns of terms in which an image has a part.
   void append_pose_columns(size_t i, std::vector<int>* columns) const {
     for (int k = 0; k < 6; ++k) columns->push_back(static_cast<int>(6 * i) + k);
@@ -264,35 +237,6 @@ class JointSolver {
     return columns;
   }
 
-  void add_term(const std::vector<int>& columns, const EvidenceTerm& term) {
-    const auto count = static_cast<Eigen::Index>(columns.size());
-    for (Eigen::Index c = 0; c < count; ++c) {
-      const int column = columns[static_cast<size_t>(c)];
-      gradient_(column) += term.g(c);
-      for (Eigen::Index r = 0; r < count; ++r) {
-        const int row = columns[static_cast<size_t>(r)];
-        if (row >= column) triplets_.emplace_back(row, column, term.h(r, c));
-      }
-    }
-  }
-
-  // A prior on A x where x are the columns of some blocks: residual r, diagonal information w.
-  struct LinearBlock {
-    int column;
-    Eigen::Matrix<double, 6, Eigen::Dynamic> design;
-  };
-  void add_prior(const std::vector<LinearBlock>& blocks, const Vector6d& residual, const Vector6d& sigmas) {
-    const Vector6d w = sigmas.cwiseAbs2().cwiseInverse();
-    for (const LinearBlock& x : blocks) {
-      gradient_.segment(x.column, x.design.cols()) += x.design.transpose() * w.cwiseProduct(residual);
-      for (const LinearBlock& y : blocks) {
-        if (x.column >= y.column) {
-          add_block(x.column, y.column, Eigen::MatrixXd(x.design.transpose() * w.asDiagonal() * y.design));
-        }
-      }
-    }
-  }
-
   Eigen::Matrix<double, 6, 7> shared_design(size_t i) const {
     Eigen::Matrix<double, 6, 7> design;
     design << -Matrix6d::Identity(), -velocity(i);
@@ -300,40 +244,38 @@ class JointSolver {
   }
 
   void assemble() {
-    triplets_.clear();
-    gradient_ = Eigen::VectorXd::Zero(size_);
+    equations_.clear(num_unknowns_);
     for (size_t i = 0; i < poses_.size(); ++i) {
-      const int column = static_cast<int>(6 * i);
-      if (!in_sequence_[i]) add_block(column, column, Matrix6d(Matrix6d::Identity()));
-      add_term(own_columns(i), own_terms_[i]);
+      if (!in_sequence_[i]) equations_.add_diagonal(static_cast<int>(6 * i), Vector6d::Ones(), Vector6d::Zero());
+      equations_.add(own_columns(i), own_terms_[i].h, own_terms_[i].g);
     }
-    for (size_t k = 0; k < pairs_.size(); ++k) add_term(pair_columns(pairs_[k]), pair_terms_[k]);
+    for (size_t k = 0; k < pairs_.size(); ++k) {
+      equations_.add(pair_columns(pairs_[k]), pair_terms_[k].h, pair_terms_[k].g);
+    }
     for (const auto& [camera, sequence] : problem_.sequences) assemble_sequence(camera, sequence);
-    information_.resize(size_, size_);
-    information_.setFromTriplets(triplets_.begin(), triplets_.end());
   }
 
   void assemble_sequence(uint32_t camera, const std::vector<std::pair<double, size_t>>& sequence) {
     const int shared_column = shared_column_.at(camera);
     const Eigen::VectorXd w = shared_sigmas(camera).cwiseAbs2().cwiseInverse();
-    add_block(shared_column, shared_column, Eigen::MatrixXd(w.asDiagonal()));
-    gradient_.segment(shared_column, w.size()) += w.cwiseProduct(shared_.at(camera) - prior_means_.at(camera));
+    equations_.add_diagonal(shared_column, w, shared_.at(camera) - prior_means_.at(camera));
     for (size_t k = 0; k < sequence.size(); ++k) {
       const size_t i = sequence[k].second;
       const int column = static_cast<int>(6 * i);
       const Vector6d d = drift(i, poses_, shared_);
       if (k == 0) {
-        add_prior({{column, Matrix6d::Identity()}, {shared_column, shared_design(i)}}, d,
-                  drift_.sigmas().cwiseProduct(prior_sigmas_));
+        equations_.add_linear({{column, Matrix6d::Identity()}, {shared_column, shared_design(i)}}, d,
+                              drift_.sigmas().cwiseProduct(prior_sigmas_));
         continue;
       }
       const size_t before = sequence[k - 1].second;
       const double gap = gap_before(camera, sequence, k);
       const Matrix6d memory = drift_.correlations(gap).asDiagonal();
-      add_prior({{column, Matrix6d::Identity()},
-                 {static_cast<int>(6 * before), -memory},
-                 {shared_column, shared_design(i) - memory * shared_design(before)}},
-                d - memory * drift(before, poses_, shared_), drift_.innovation_sigmas(gap).cwiseProduct(prior_sigmas_));
+      equations_.add_linear({{column, Matrix6d::Identity()},
+                             {static_cast<int>(6 * before), -memory},
+                             {shared_column, shared_design(i) - memory * shared_design(before)}},
+                            d - memory * drift(before, poses_, shared_),
+                            drift_.innovation_sigmas(gap).cwiseProduct(prior_sigmas_));
     }
   }
 
@@ -343,10 +285,7 @@ class JointSolver {
     double damping = 1e-6;
     for (int step = 0; step < kMaxSteps; ++step) {
       assemble();
-      Eigen::SparseMatrix<double> damped = information_;
-      for (int i = 0; i < size_; ++i) damped.coeffRef(i, i) *= 1.0 + damping;
-      factorise(damped);
-      const Eigen::VectorXd x = -factor_.solve(gradient_);
+      const Eigen::VectorXd x = equations_.step(damping);
       std::vector<Rigid3> poses = poses_;
       SharedValues shared = shared_;
       for (size_t i = 0; i < poses.size(); ++i) {
@@ -369,16 +308,10 @@ class JointSolver {
     }
   }
 
-  // The matrix has the same entries each time, so that they are put in order once.
-  void factorise(const Eigen::SparseMatrix<double>& matrix) {
-    if (factor_.rows() == 0) factor_.analyzePattern(matrix);
-    factor_.factorize(matrix);
-  }
-
-  void factorise() {
+  SelectedInverse inverse_information() {
     evaluate_all(poses_, shared_);
     assemble();
-    factorise(information_);
+    return equations_.inverse();
   }
 
   Matrix6d covariance_block(const SelectedInverse& inverse, size_t i, size_t j) const {
@@ -410,8 +343,7 @@ class JointSolver {
 
   // Size and memory of the drift from its expected products given the data; the three axes have them in common.
   void learn_drift() {
-    factorise();
-    const SelectedInverse inverse(factor_);
+    const SelectedInverse inverse = inverse_information();
     std::vector<double> first[2];
     std::vector<DriftPair> pairs[2];
     for (const auto& [camera, sequence] : problem_.sequences) {
@@ -444,8 +376,7 @@ class JointSolver {
 
   // At the minimum all gradients add up to zero: that of everything else is minus that of the image's own edges.
   std::vector<PoseGuess> guesses_from_others() {
-    factorise();
-    const SelectedInverse inverse(factor_);
+    const SelectedInverse inverse = inverse_information();
     std::vector<PoseGuess> guesses;
     for (size_t i = 0; i < poses_.size(); ++i) {
       // Of its pose and of the parameters that its own evidence depends on.
@@ -478,8 +409,7 @@ class JointSolver {
     const std::vector<PoseGuess> from_others = guesses_from_others();
     inflate_evidence();
     assemble();
-    factorise(information_);
-    const SelectedInverse inverse(factor_);
+    const SelectedInverse inverse = equations_.inverse();
     for (size_t i = 0; i < poses_.size(); ++i) {
       Vector6d motion = Vector6d::Zero();
       if (in_sequence_[i]) motion = state(i, poses_[i]).pose().motion;
@@ -525,18 +455,15 @@ class JointSolver {
   SharedValues prior_means_;
   std::map<uint32_t, int> shared_column_;
   std::map<uint32_t, double> typical_gap_;
-  int size_ = 0;
   std::vector<char> in_sequence_;  // others have no part; their columns are held by ones on the diagonal
   std::vector<std::vector<EdgeMatch>> matches_;
   std::vector<EvidenceTerm> own_terms_;  // of each image: its edges or its observation
   std::vector<SharedPatches> pairs_;
   std::vector<EvidenceTerm> pair_terms_;
   double patch_loss_scale_ = 1.0;
-  Drift drift_;
-  std::vector<Eigen::Triplet<double>> triplets_;
-  Eigen::VectorXd gradient_;
-  Eigen::SparseMatrix<double> information_;
-  SelectedInverse::Factor factor_;
+  PoseDrift drift_;  // gaps in units of each camera's typical one
+  int num_unknowns_ = 0;
+  NormalEquations equations_;
 };
 
 }  // namespace
