@@ -98,7 +98,7 @@ TEST(RollingShutter, TheReadoutTimeIsFoundFromCoarsePoses) {
     const ProcessResult refined = run_cpplus(arguments);
     EXPECT_EQ(refined.exit_code, 0) << refined.err;
     const ProcessResult evaluated =
-        run_cpplus({"evaluate", "--estimate", out + "/sparse", "--reference", world + "/truth/poses", "--map",
+        run_cpplus({"evaluate", "--estimate", out + "/sparse", "--reference", world + "/truth", "--map",
                     world + "/map.pcd", "--json", out + "/evaluation.json"});
     EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
     return nlohmann::json::parse(read_file(out + "/evaluation.json"));
