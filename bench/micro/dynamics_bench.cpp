@@ -1,11 +1,12 @@
-// Removal of dynamic objects: rays through the voxel map by skipping empty voxels of all layers, beside steps of one
-// leaf with a look-up each; and the whole stage. A room of 12 x 9 x 3 m as a LiDAR that walks through it sees it; a
-// hall beside peers that keep free space.
+// Removal of dynamic objects: what scans see through, by asking the leaves which rays pass them, beside steps of one
+// leaf along each ray with a look-up each; and the whole stage. A room of 12 x 9 x 3 m as a LiDAR that walks through it
+// sees it; a hall beside peers that keep free space.
 #include <benchmark/benchmark.h>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/find_dynamics.h"
-#include "cpplus/dynamics/leaf_ray.h"
+#include "cpplus/dynamics/leaf_surfaces.h"
+#include "cpplus/dynamics/see_through.h"
 #include "dynamics_bench_scans.h"
 
 namespace cpplus {
@@ -26,21 +27,19 @@ void for_each_ray(const ScanSet& scans, const Cast& cast) {
   }
 }
 
-void BM_LeafRays(benchmark::State& state) {
+/// What the scans see through, which answers for the rays of all of them.
+void BM_SeeThrough(benchmark::State& state) {
   const ScanSet scans = room_scans(10);
   const VoxelMap map(scans.points, {});
-  const LeafRayCaster caster(map, scans.sensors_in_map[0], 50.0);
-  for (auto _ : state) {
-    size_t num_met = 0;
-    for_each_ray(scans, [&](const Vector3d& direction, double range) {
-      caster.cast(direction, range, [&](uint32_t) { ++num_met; });
-    });
-    benchmark::DoNotOptimize(num_met);
-  }
-  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kBeams));
+  const LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
+  set_num_threads(1);
+  for (auto _ : state) benchmark::DoNotOptimize(count_see_through(map, scans, surfaces, {}));
+  set_num_threads(0);
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(scans.points.size()));
 }
-BENCHMARK(BM_LeafRays)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_SeeThrough)->Unit(benchmark::kMillisecond);
 
+/// What stepping along the rays of one scan would take.
 void BM_LeafByLeaf(benchmark::State& state) {
   const ScanSet scans = room_scans(10);
   const VoxelMap map(scans.points, {});

@@ -276,31 +276,42 @@ void pack_moments_mask(const std::vector<uint8_t>& has_moments, OwnedLayer* laye
   }
 }
 
-/// Appends one layer of all groups; frees the groups' copies.
+std::ptrdiff_t to_offset(size_t index) { return static_cast<std::ptrdiff_t>(index); }
+
+/// Where the nodes of a group go in a joined layer.
+struct GroupPlace {
+  size_t first_node = 0;
+  size_t first_moments = 0;
+  uint32_t children_before = 0;
+};
+
+/// Joins one layer of all groups; frees the groups' copies.
 OwnedLayer join_layer(size_t l, uint32_t num_points, std::vector<std::vector<LayerNodes>>* groups) {
   const bool is_leaf = groups->empty() || l + 1 == groups->front().size();
-  OwnedLayer joined;
-  std::vector<uint8_t> has_moments;
-  size_t size = 0;
-  size_t num_moments = 0;
+  std::vector<GroupPlace> places;
+  GroupPlace end;
   for (const std::vector<LayerNodes>& group : *groups) {
-    size += group[l].first.size();
-    num_moments += group[l].moments.size();
+    places.push_back(end);
+    end.first_node += group[l].first.size();
+    end.first_moments += group[l].moments.size();
+    if (!is_leaf) end.children_before += static_cast<uint32_t>(group[l + 1].first.size());
   }
-  joined.first.reserve(size + 1);
-  joined.child_mask.reserve(is_leaf ? 0 : size);
-  joined.moments.reserve(num_moments);
-  uint32_t children_before = 0;
-  for (std::vector<LayerNodes>& group : *groups) {
-    LayerNodes& nodes = group[l];
-    for (uint32_t first : nodes.first) joined.first.push_back(first + children_before);
-    joined.child_mask.insert(joined.child_mask.end(), nodes.child_mask.begin(), nodes.child_mask.end());
-    joined.moments.insert(joined.moments.end(), nodes.moments.begin(), nodes.moments.end());
-    has_moments.insert(has_moments.end(), nodes.has_moments.begin(), nodes.has_moments.end());
-    if (!is_leaf) children_before += static_cast<uint32_t>(group[l + 1].first.size());
-    nodes = LayerNodes();
-  }
-  joined.first.push_back(is_leaf ? num_points : children_before);
+  OwnedLayer joined;
+  std::vector<uint8_t> has_moments(is_leaf ? 0 : end.first_node);
+  joined.first.resize(end.first_node + 1);
+  joined.child_mask.resize(is_leaf ? 0 : end.first_node);
+  joined.moments.resize(end.first_moments);
+  parallel_for_each(groups->size(), [&](size_t g) {
+    const LayerNodes nodes = std::move((*groups)[g][l]);
+    const GroupPlace& place = places[g];
+    std::transform(nodes.first.begin(), nodes.first.end(), joined.first.begin() + to_offset(place.first_node),
+                   [&](uint32_t first) { return first + place.children_before; });
+    std::copy(nodes.child_mask.begin(), nodes.child_mask.end(),
+              joined.child_mask.begin() + to_offset(place.first_node));
+    std::copy(nodes.has_moments.begin(), nodes.has_moments.end(), has_moments.begin() + to_offset(place.first_node));
+    std::copy(nodes.moments.begin(), nodes.moments.end(), joined.moments.begin() + to_offset(place.first_moments));
+  });
+  joined.first.back() = is_leaf ? num_points : end.children_before;
   pack_moments_mask(has_moments, &joined);
   return joined;
 }

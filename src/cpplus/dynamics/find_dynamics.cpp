@@ -1,14 +1,22 @@
 #include "cpplus/dynamics/find_dynamics.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
+#include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
 #include "cpplus/dynamics/leaf_vote.h"
 #include "cpplus/dynamics/see_through.h"
 
 namespace cpplus {
+namespace {
+
+constexpr size_t kLeavesPerTask = 1 << 15;
+
+}  // namespace
 
 void DynamicsOptions::validate() const {
   check_option(max_range_m > 0.0 && std::isfinite(max_range_m), "max_range_m", "(0, inf)", max_range_m);
@@ -27,22 +35,25 @@ void DynamicsOptions::validate() const {
 
 DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const DynamicsOptions& options) {
   options.validate();
-  const double max_range_roots = options.max_range_m / map.options().root_size_m;
-  check_option(max_range_roots <= LeafRayCaster::max_radius_roots, "max_range_m / root_size_m", "(0, 128]",
-               max_range_roots);
   LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
   const std::vector<uint32_t> num_through = count_see_through(map, scans, surfaces, options);
   surfaces.means = {};  // the largest of what is not needed any more
   const std::vector<uint8_t> leaf_labels = vote_on_leaves(map, scans, surfaces, num_through, options);
 
   DynamicsResult result;
-  for (const uint8_t label : leaf_labels) result.num_dynamic_leaves += label;
-  result.labels.assign(scans.points.size(), 0);
-  for (size_t i = 0; i < result.labels.size(); ++i) {
-    const uint32_t leaf = surfaces.leaf_of_point[i];
-    if (leaf != no_voxel) result.labels[i] = leaf_labels[leaf];
-    result.num_dynamic += result.labels[i];
-  }
+  result.labels.assign(scans.first_point.back(), 0);
+  std::vector<size_t> num_dynamic_points(leaf_labels.size() / kLeavesPerTask + 1, 0);
+  parallel_for_chunks(leaf_labels.size(), kLeavesPerTask, [&](size_t begin, size_t end) {
+    for (auto leaf = static_cast<uint32_t>(begin); leaf < end; ++leaf) {
+      if (leaf_labels[leaf] == 0) continue;
+      const uint32_t first = map.points_begin(map.leaf_layer(), leaf);
+      const uint32_t last = map.points_end(map.leaf_layer(), leaf);
+      for (uint32_t i = first; i < last; ++i) result.labels[map.input_index(i)] = 1;
+      num_dynamic_points[begin / kLeavesPerTask] += last - first;
+    }
+  });
+  result.num_dynamic = std::accumulate(num_dynamic_points.begin(), num_dynamic_points.end(), size_t{0});
+  result.num_dynamic_leaves = static_cast<size_t>(std::count(leaf_labels.begin(), leaf_labels.end(), 1));
   return result;
 }
 

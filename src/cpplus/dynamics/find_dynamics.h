@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "cpplus/cloud/voxel_map.h"
 #include "cpplus/cloud/scan_set.h"
+#include "cpplus/cloud/voxel_map.h"
 
 namespace cpplus {
 
 struct DynamicsOptions {
-  /// Rays are followed at most so far, metres. (0, 128 roots]
+  /// Rays are followed at most so far, metres. (0, inf)
   double max_range_m = 50.0;
   /// A ray sees through a leaf when it passes the mean of its points within this distance, metres. (0, inf)
   double ray_radius_m = 0.055;
@@ -42,7 +42,7 @@ struct DynamicsOptions {
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
-    visitor("max_range_m", max_range_m, "Rays are followed at most so far, metres; at most 128 roots.");
+    visitor("max_range_m", max_range_m, "Rays are followed at most so far, metres.");
     visitor("ray_radius_m", ray_radius_m,
             "A ray sees through a leaf when it passes the mean of its points within this distance, metres.");
     visitor("min_gap_m", min_gap_m, "Rays end this far before the point that they hit, metres.");

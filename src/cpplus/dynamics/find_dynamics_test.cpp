@@ -179,11 +179,6 @@ TEST(FindDynamics, TakesOptionsInTheirRangeOnly) {
   rejects([](DynamicsOptions* o) { o->fill_share = 0.0; });
   rejects([](DynamicsOptions* o) { o->keep_share = 1.1; });
   rejects([](DynamicsOptions* o) { o->sure_scans = 0; });
-  DynamicsOptions far;
-  far.max_range_m = 300.0;  // 150 roots of 2 m
-  ScanSet scans;
-  add_scan(&scans, {0, 0, 0}, {{1, 1, 1}});
-  EXPECT_THROW(find_dynamics(VoxelMap(scans.points, {}), scans, far), UsageError);
 }
 
 /// A simulated scene as a LiDAR that moves sees it, with range noise, mixed pixels and the pose errors of an odometry.

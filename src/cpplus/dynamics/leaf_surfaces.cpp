@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/dynamics/scan_hits.h"
 
 namespace cpplus {
 namespace {
@@ -33,23 +34,13 @@ std::optional<Patch> fit_patch(const VoxelMap& map, int layer, uint32_t node) {
   return Patch{(statistics.mean - map.origin()).cast<float>(), solver.eigenvectors().col(0).cast<float>()};
 }
 
-/// Number of scans, mean and points of one leaf.
-void measure_leaf(const VoxelMap& map, const ScanSet& scans, uint32_t leaf, LeafSurfaces* surfaces) {
+/// Number of scans and mean of the points of one leaf.
+void measure_leaf(const VoxelMap& map, const ScanOfPoint& scan_of_point, uint32_t leaf, LeafSurfaces* surfaces) {
+  for_each_scan_of_leaf(map, scan_of_point, leaf, [&](uint32_t, uint32_t) { ++surfaces->num_scans[leaf]; });
   const uint32_t begin = map.points_begin(map.leaf_layer(), leaf);
   const uint32_t end = map.points_end(map.leaf_layer(), leaf);
   Vector3f sum = Vector3f::Zero();
-  uint32_t num_scans = 0;
-  size_t scan_end = 0;
-  for (uint32_t i = begin; i < end; ++i) {
-    const uint32_t point = map.input_index(i);
-    surfaces->leaf_of_point[point] = leaf;
-    sum += map.positions()[i] - map.positions()[begin];
-    // The points of a leaf are in the order of the input, so those of a scan lie together.
-    if (point < scan_end) continue;
-    scan_end = *std::upper_bound(scans.first_point.begin(), scans.first_point.end(), point);
-    ++num_scans;
-  }
-  surfaces->num_scans[leaf] = num_scans;
+  for (uint32_t i = begin; i < end; ++i) sum += map.positions()[i] - map.positions()[begin];
   surfaces->means[leaf] = map.positions()[begin] + sum / static_cast<float>(end - begin);
 }
 
@@ -81,13 +72,14 @@ LeafRange leaves_of(const VoxelMap& map, int layer, uint32_t node) {
 LeafSurfaces measure_leaf_surfaces(const VoxelMap& map, const ScanSet& scans) {
   const int leaf_layer = map.leaf_layer();
   const uint32_t num_leaves = map.num_nodes(leaf_layer);
+  const ScanOfPoint scan_of_point(scans);
   LeafSurfaces surfaces;
-  surfaces.leaf_of_point.assign(scans.points.size(), no_voxel);
-  surfaces.num_scans.resize(num_leaves);
+  surfaces.num_scans.assign(num_leaves, 0);
   surfaces.means.resize(num_leaves);
   surfaces.normals.assign(num_leaves, Vector3f::Zero());
   parallel_for_chunks(num_leaves, kNodesPerTask, [&](size_t begin, size_t end) {
-    for (auto leaf = static_cast<uint32_t>(begin); leaf < end; ++leaf) measure_leaf(map, scans, leaf, &surfaces);
+    for (auto leaf = static_cast<uint32_t>(begin); leaf < end; ++leaf)
+      measure_leaf(map, scan_of_point, leaf, &surfaces);
   });
   // The finer plane comes last and so holds.
   for (const int layers_up : {3, 2}) set_normals(map, std::max(0, leaf_layer - layers_up), &surfaces);

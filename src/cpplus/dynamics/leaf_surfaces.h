@@ -4,14 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "cpplus/cloud/voxel_map.h"
 #include "cpplus/cloud/scan_set.h"
+#include "cpplus/cloud/voxel_map.h"
 
 namespace cpplus {
 
-/// What the leaves of the map of all scans know of the surface in them. By leaf, except where it says otherwise.
+/// What the leaves of the map of all scans know of the surface in them. By leaf.
 struct LeafSurfaces {
-  std::vector<uint32_t> leaf_of_point;   // by point of the scans; no_voxel for one that the map left out
   std::vector<uint32_t> num_scans;       // how many scans hit the leaf: the size of its set of scan identifiers
   std::vector<Eigen::Vector3f> means;    // of the points, relative to the map's origin, metres
   std::vector<Eigen::Vector3f> normals;  // unit normal of the plane that the leaf lies on, zero where there is none

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -91,16 +92,25 @@ std::vector<uint8_t> vote_with_neighbors(const VoxelMap& map, const std::vector<
     const LeafRange leaves = leaves_of(map, layer, node);
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) votes[node].add(first[leaf], num_hits[leaf]);
   });
-  std::vector<uint8_t> labels(first.size());
+  // Only around dynamic leaves can there be any: most nodes need not be looked at.
+  std::vector<uint8_t> is_near_dynamic(votes.size(), 0);
   over_nodes([&](uint32_t node) {
+    if (votes[node].dynamic_leaves == 0) return;
+    std::vector<uint32_t> neighbors;
+    map.neighbors(layer, node, false, &neighbors);
+    neighbors.push_back(node);
+    for (const uint32_t near : neighbors) std::atomic_ref(is_near_dynamic[near]).store(1, std::memory_order_relaxed);
+  });
+  std::vector<uint8_t> labels(first.size(), 0);
+  over_nodes([&](uint32_t node) {
+    if (is_near_dynamic[node] == 0) return;
     Votes around = votes[node];
     std::vector<uint32_t> neighbors;
     map.neighbors(layer, node, false, &neighbors);
     for (const uint32_t neighbor : neighbors) around.add(votes[neighbor]);
     const LeafRange leaves = leaves_of(map, layer, node);
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
-      labels[leaf] =
-          around.dynamic_leaves == 0 ? 0 : revised(first[leaf], num_hits[leaf], num_through[leaf], around, options);
+      labels[leaf] = revised(first[leaf], num_hits[leaf], num_through[leaf], around, options);
     }
   });
   return labels;

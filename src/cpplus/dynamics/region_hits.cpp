@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/dynamics/scan_hits.h"
 
 namespace cpplus {
 namespace {
@@ -12,13 +13,13 @@ constexpr size_t kNodesPerTask = 2048;
 /// Collects the scans that hit some nodes.
 class ScanCollector {
  public:
-  ScanCollector(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces)
-      : map_(map), scans_(scans), surfaces_(surfaces), is_in_(scans.num_scans(), 0) {}
+  ScanCollector(const VoxelMap& map, const ScanOfPoint& scan_of_point, size_t num_scans, const LeafSurfaces& surfaces)
+      : map_(map), scan_of_point_(scan_of_point), surfaces_(surfaces), is_in_(num_scans, 0) {}
 
   uint32_t count() const { return static_cast<uint32_t>(members_.size()); }
 
   void clear() {
-    for (const size_t scan : members_) is_in_[scan] = 0;
+    for (const uint32_t scan : members_) is_in_[scan] = 0;
     members_.clear();
   }
 
@@ -29,25 +30,18 @@ class ScanCollector {
   }
 
  private:
-  /// The points of a leaf are in the order of the scans.
   void add(uint32_t leaf) {
-    size_t scan_end = 0;
-    for (uint32_t i = map_.points_begin(map_.leaf_layer(), leaf); i < map_.points_end(map_.leaf_layer(), leaf); ++i) {
-      const uint32_t point = map_.input_index(i);
-      if (point < scan_end) continue;
-      const auto next = std::upper_bound(scans_.first_point.begin(), scans_.first_point.end(), point);
-      scan_end = *next;
-      const auto scan = static_cast<size_t>(next - scans_.first_point.begin()) - 1;
+    for_each_scan_of_leaf(map_, scan_of_point_, leaf, [&](uint32_t scan, uint32_t) {
       if (is_in_[scan] == 0) members_.push_back(scan);
       is_in_[scan] = 1;
-    }
+    });
   }
 
   const VoxelMap& map_;
-  const ScanSet& scans_;
+  const ScanOfPoint& scan_of_point_;
   const LeafSurfaces& surfaces_;
   std::vector<uint8_t> is_in_;
-  std::vector<size_t> members_;
+  std::vector<uint32_t> members_;
 };
 
 }  // namespace
@@ -55,9 +49,10 @@ class ScanCollector {
 std::vector<uint32_t> count_region_hits(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces,
                                         const std::vector<uint8_t>& is_candidate) {
   const int layer = std::max(0, map.leaf_layer() - 1);
+  const ScanOfPoint scan_of_point(scans);
   std::vector<uint32_t> counts(is_candidate.size(), 0);
   parallel_for_chunks(map.num_nodes(layer), kNodesPerTask, [&](size_t begin, size_t end) {
-    ScanCollector around(map, scans, surfaces);
+    ScanCollector around(map, scan_of_point, scans.num_scans(), surfaces);
     std::vector<uint32_t> neighbors;
     for (auto node = static_cast<uint32_t>(begin); node < end; ++node) {
       const LeafRange leaves = leaves_of(map, layer, node);

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <span>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_vote.h"
+#include "cpplus/dynamics/ray_grid.h"
+#include "cpplus/dynamics/scan_hits.h"
 
 namespace cpplus {
 namespace {
@@ -13,97 +16,113 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr size_t kScansPerTask = 2;  // they share the working memory, one bit a leaf twice
+constexpr size_t kScansPerTask = 2;  // they share the working memory, one bit a leaf
 
-/// A set of leaves, one bit each.
+/// The leaves that a scan hits, one bit each.
 class LeafSet {
  public:
   explicit LeafSet(size_t num_leaves) : words_((num_leaves + 63) / 64, 0) {}
 
   bool contains(uint32_t leaf) const { return (words_[leaf / 64] >> (leaf % 64) & 1) != 0; }
-  /// False where it was there already.
-  bool insert(uint32_t leaf) {
-    if (contains(leaf)) return false;
-    words_[leaf / 64] |= uint64_t{1} << (leaf % 64);
-    members_.push_back(leaf);
-    return true;
+  void insert(std::span<const LeafHit> hits) {
+    for (const LeafHit& hit : hits) words_[hit.leaf / 64] |= uint64_t{1} << (hit.leaf % 64);
   }
-  const std::vector<uint32_t>& members() const { return members_; }
-  /// Takes as long as there are members, whatever the size of the map.
-  void clear() {
-    for (const uint32_t leaf : members_) words_[leaf / 64] = 0;
-    members_.clear();
+  void erase(std::span<const LeafHit> hits) {
+    for (const LeafHit& hit : hits) words_[hit.leaf / 64] = 0;
   }
 
  private:
   std::vector<uint64_t> words_;
-  std::vector<uint32_t> members_;
 };
 
-/// Casts the rays of one scan after the other.
+/// Finds what the scans see through, one scan after the other.
 class ScanCaster {
  public:
-  ScanCaster(const VoxelMap& map, const ScanSet& scans, const LeafSurfaces& surfaces, const DynamicsOptions& options,
-             std::vector<uint32_t>* missing)
+  ScanCaster(const VoxelMap& map, const ScanSet& scans, const ScanHits& hits, const LeafSurfaces& surfaces,
+             const DynamicsOptions& options, std::vector<uint32_t>* missing)
       : map_(map),
         scans_(scans),
+        hits_(hits),
         surfaces_(surfaces),
         options_(options),
+        max_range_(static_cast<float>(options.max_range_m)),
+        radius_(static_cast<float>(options.ray_radius_m)),
+        max_off2_(radius_ * radius_),
         min_sine_(static_cast<float>(std::sin(options.min_grazing_deg * M_PI / 180.0))),
-        hit_(surfaces.num_scans.size()),
-        passed_(surfaces.num_scans.size()),
-        missing_(missing->data()) {}
+        missing_(missing->data()),
+        hit_(surfaces.num_scans.size()) {}
 
   /// Takes one from `missing` of each leaf that the scan sees through.
   void cast(size_t scan) {
-    hit_.clear();
-    passed_.clear();
-    cast_rays(scan);
-    for (const uint32_t leaf : passed_.members()) {
-      if (!hit_.contains(leaf) && !is_beside_hit(leaf)) missing(leaf).fetch_sub(1, std::memory_order_relaxed);
+    const Vector3d& sensor_in_map = scans_.sensors_in_map[scan];
+    sensor_ = (sensor_in_map - map_.origin()).cast<float>();
+    hit_.insert(hits_.of(scan));
+    collect_rays(scan);
+    grid_.assign(rays_);
+    for (const uint32_t root : map_.roots_in_radius(sensor_in_map, options_.max_range_m)) {
+      const Vector3d center = map_.center(0, root) - sensor_in_map;
+      visit(0, root, {center.cast<float>(), static_cast<float>(0.5 * map_.options().root_size_m)});
     }
+    hit_.erase(hits_.of(scan));
   }
 
  private:
-  void cast_rays(size_t scan) {
-    const Vector3d& sensor_in_map = scans_.sensors_in_map[scan];
-    const LeafRayCaster caster(map_, sensor_in_map, options_.max_range_m);
-    const Vector3f sensor = (sensor_in_map - map_.origin()).cast<float>();
-    for (size_t i = scans_.first_point[scan]; i < scans_.first_point[scan + 1]; ++i) {
-      const uint32_t leaf = surfaces_.leaf_of_point[i];
-      if (leaf == no_voxel || !hit_.insert(leaf)) continue;
-      const Vector3f ray = scans_.points.positions[i] - sensor;
+  /// One ray for each leaf that the scan hits.
+  void collect_rays(size_t scan) {
+    rays_.clear();
+    for (const LeafHit& hit : hits_.of(scan)) {
+      const Vector3f ray = map_.positions()[hit.point] - sensor_;
       const float range = ray.norm();
       if (range <= 0.0f) continue;
       const Vector3f direction = ray / range;
-      const double distance = safe_distance(direction, range, leaf);
-      if (distance > 0.0) cast_ray(caster, sensor, direction, distance);
+      const float distance = safe_distance(direction, range, hit.leaf);
+      if (distance > 0.0f) rays_.push_back({direction, distance});
     }
   }
 
   /// How far the ray to a point of the leaf may be followed: the safe maximum search distance.
-  double safe_distance(const Vector3f& direction, float range, uint32_t leaf) const {
+  float safe_distance(const Vector3f& direction, float range, uint32_t leaf) const {
     constexpr double kMinSine = 0.01;
     const Vector3f& normal = surfaces_.normals[leaf];
     const bool on_plane = !normal.isZero(0.0f);
     const double sine = std::max(kMinSine, std::abs(static_cast<double>(normal.dot(direction))));
     const double surface_gap = on_plane ? options_.surface_gap_m / sine : options_.range_gap * range;
     const double gap = std::max(options_.min_gap_m, surface_gap);
-    return std::min(options_.max_range_m, static_cast<double>(range) - gap);
+    return static_cast<float>(std::min(options_.max_range_m, static_cast<double>(range) - gap));
   }
 
-  void cast_ray(const LeafRayCaster& caster, const Vector3f& sensor, const Vector3f& direction, double distance) {
-    const auto end = static_cast<float>(distance);
-    const auto max_off2 = static_cast<float>(options_.ray_radius_m * options_.ray_radius_m);
-    caster.cast(direction.cast<double>(), distance, [&](uint32_t leaf) {
-      if (passed_.contains(leaf) || static_cast<int32_t>(missing(leaf).load(std::memory_order_relaxed)) <= 0) return;
-      const Vector3f to_mean = surfaces_.means[leaf] - sensor;
-      const float along = to_mean.dot(direction);
-      if (along > end || to_mean.squaredNorm() - along * along > max_off2) return;
-      const Vector3f& normal = surfaces_.normals[leaf];
-      const bool grazes = !normal.isZero(0.0f) && std::abs(normal.dot(direction)) < min_sine_;
-      if (!grazes) passed_.insert(leaf);
+  /// Goes down to the leaves in front of the ends of rays; all others are left out by whole nodes.
+  void visit(int layer, uint32_t node, const SensorCube& cube) {
+    if (layer == map_.leaf_layer()) return visit_leaf(node, cube);
+    const float nearest = cube.distance();
+    if (nearest > max_range_ || grid_.reach(cube) < nearest) return;
+    const float half = 0.5f * cube.half_m;
+    for (int octant = 0; octant < 8; ++octant) {
+      const uint32_t child = map_.child_in_octant(layer, node, octant);
+      if (child == no_voxel) continue;
+      const Vector3f side((octant & 1) != 0 ? half : -half, (octant & 2) != 0 ? half : -half,
+                          (octant & 4) != 0 ? half : -half);
+      visit(layer + 1, child, {cube.center + side, half});
+    }
+  }
+
+  void visit_leaf(uint32_t leaf, const SensorCube& cube) {
+    if (static_cast<int32_t>(missing(leaf).load(std::memory_order_relaxed)) <= 0 || hit_.contains(leaf)) return;
+    const Vector3f to_mean = surfaces_.means[leaf] - sensor_;
+    const float range2 = to_mean.squaredNorm();
+    const float shortest = std::sqrt(std::max(0.0f, range2 - max_off2_));
+    const Vector3f& normal = surfaces_.normals[leaf];
+    const float min_sine = normal.isZero(0.0f) ? 0.0f : min_sine_;
+    // Whatever passes the mean within the radius grazes then: most of the ground goes here.
+    if (std::abs(normal.dot(to_mean)) + radius_ < min_sine * shortest) return;
+    if (grid_.reach(cube) < shortest) return;
+    const bool passed = grid_.any_ray(cube, [&](const ScanRay& ray) {
+      if (ray.length_m < shortest) return false;
+      const float along = to_mean.dot(ray.direction);
+      return along <= ray.length_m && along > 0.0f && range2 - along * along <= max_off2_ &&
+             std::abs(normal.dot(ray.direction)) >= min_sine && line_meets(ray.direction, cube);
     });
+    if (passed && !is_beside_hit(leaf)) missing(leaf).fetch_sub(1, std::memory_order_relaxed);
   }
 
   /// Whether the scan hits one of the 26 leaves around, on the same surface as far as one knows.
@@ -123,12 +142,19 @@ class ScanCaster {
 
   const VoxelMap& map_;
   const ScanSet& scans_;
+  const ScanHits& hits_;
   const LeafSurfaces& surfaces_;
   const DynamicsOptions& options_;
+  const float max_range_;
+  const float radius_;
+  const float max_off2_;
   const float min_sine_;
-  LeafSet hit_;     // by the scan at hand
-  LeafSet passed_;  // by its rays
   uint32_t* missing_;
+  // Of the scan at hand:
+  Vector3f sensor_;  // relative to the map's origin
+  LeafSet hit_;
+  std::vector<ScanRay> rays_;
+  RayGrid grid_;
   std::vector<uint32_t> neighbors_;
 };
 
@@ -142,8 +168,9 @@ std::vector<uint32_t> count_see_through(const VoxelMap& map, const ScanSet& scan
     return sufficient_scans(surfaces.num_scans[leaf], scans.num_scans(), options);
   };
   for (size_t leaf = 0; leaf < num_leaves; ++leaf) missing[leaf] = sufficient(leaf);
+  const ScanHits hits = find_scan_hits(map, scans);
   parallel_for_chunks(scans.num_scans(), kScansPerTask, [&](size_t begin, size_t end) {
-    ScanCaster caster(map, scans, surfaces, options, &missing);
+    ScanCaster caster(map, scans, hits, surfaces, options, &missing);
     for (size_t scan = begin; scan < end; ++scan) caster.cast(scan);
   });
   for (size_t leaf = 0; leaf < num_leaves; ++leaf) {

@@ -5,7 +5,6 @@
 
 #include "cpplus/cloud/voxel_map.h"
 #include "cpplus/dynamics/find_dynamics.h"
-#include "cpplus/dynamics/leaf_ray.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
 
 namespace cpplus {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "cpplus/core/error.h"
@@ -112,6 +113,28 @@ void CloudBuilder::set_from_bytes(size_t point, const PointField& field, const u
   const ScalarType type =
       field.role == PointRole::kPackedRgb && scalar_size(field.type) == 4 ? ScalarType::kUint32 : field.type;
   set(point, field.role, converted(field, load_scalar(data, type, big_endian)));
+}
+
+void CloudBuilder::set_column(size_t first, size_t size, const PointField& field, const uint8_t* data, size_t stride) {
+  const int axis = static_cast<int>(field.role) - static_cast<int>(PointRole::kX);
+  const bool is_coordinate = axis >= 0 && axis < 3;
+  size_t i = 0;
+  // What nearly all scans hold, without a decision a value. Coordinates only once their origin is known.
+  if (field.type == ScalarType::kFloat32 && (is_coordinate || field.role == PointRole::kIntensity)) {
+    for (; is_coordinate && i < size && !origin_known_[axis]; ++i) {
+      set_from_bytes(first + i, field, data + i * stride, false);
+    }
+    for (; i < size; ++i) {
+      float value;
+      std::memcpy(&value, data + i * stride, sizeof(value));
+      if (is_coordinate) {
+        cloud_.positions[first + i][axis] = static_cast<float>(value - cloud_.origin[axis]);
+      } else {
+        cloud_.intensities[first + i] = value;
+      }
+    }
+  }
+  for (; i < size; ++i) set_from_bytes(first + i, field, data + i * stride, false);
 }
 
 PointCloud CloudBuilder::finish(ReadCounts* counts) {

@@ -37,6 +37,9 @@ class CloudBuilder {
   /// Decodes one binary field: load, convert, set.
   void set_from_bytes(size_t point, const PointField& field, const uint8_t* data, bool big_endian);
 
+  /// The same for one little-endian field of `size` points from `first` on, whose records are `stride` bytes apart.
+  void set_column(size_t first, size_t size, const PointField& field, const uint8_t* data, size_t stride);
+
   PointCloud& cloud() { return cloud_; }
 
   /// Drops non-finite points and hands the cloud over. Throws Error when no point is left.

@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/parallel.h"
 #include "cpplus/io/atomic_file.h"
-#include "cpplus/io/byte_writer.h"
 #include "cpplus/io/lzf.h"
 #include "cpplus/io/text_parse.h"
 
@@ -156,10 +161,14 @@ void read_ascii(const PcdHeader& header, BlockReader* reader, CloudBuilder* buil
 }
 
 void read_binary(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
-  for (size_t point = 0; point < header.num_points; ++point) {
-    const uint8_t* record = reader->take(header.record_size);
+  constexpr size_t kBlockSize = size_t{1} << 18;
+  const size_t block = std::max<size_t>(1, kBlockSize / std::max<size_t>(1, header.record_size));
+  for (size_t first = 0; first < header.num_points; first += block) {
+    const size_t size = std::min(block, header.num_points - first);
+    const uint8_t* records = reader->take(size * header.record_size);
     for (const PointField& field : header.fields) {
-      if (field.role != PointRole::kNone) builder->set_from_bytes(point, field, record + field.offset, false);
+      if (field.role == PointRole::kNone) continue;
+      builder->set_column(first, size, field, records + field.offset, header.record_size);
     }
   }
 }
@@ -188,6 +197,47 @@ void read_binary_compressed(const PcdHeader& header, BlockReader* reader, CloudB
       if (field.role != PointRole::kNone) builder->set_from_bytes(point, field, value.data(), false);
     }
   }
+}
+
+constexpr const char* kPackedColor = "rgb";
+
+/// Calls visit(name, value_of) for each field of a cloud's records; value_of(i) is the value of point i.
+template <typename Visit>
+void for_each_field(const PointCloud& cloud, const Visit& visit) {
+  constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const char* name = kAxes[static_cast<size_t>(axis)];
+    if (cloud.origin.isZero(0.0)) {
+      visit(name, [&](size_t i) { return cloud.positions[i][axis]; });
+    } else {
+      visit(name, [&](size_t i) { return cloud.origin[axis] + static_cast<double>(cloud.positions[i][axis]); });
+    }
+  }
+  const auto visit_values = [&](const char* name, const auto& values) {
+    if (!values.empty()) visit(name, [&](size_t i) { return values[i]; });
+  };
+  visit_values("intensity", cloud.intensities);
+  if (!cloud.colors.empty()) {
+    visit(kPackedColor, [&](size_t i) {
+      const Rgb& color = cloud.colors[i];
+      return static_cast<uint32_t>(color[0]) << 16 | static_cast<uint32_t>(color[1]) << 8 | color[2];
+    });
+  }
+  visit_values("timestamp", cloud.stamps_s);
+  visit_values("num_views", cloud.num_views);
+  visit_values("best_image", cloud.best_images);
+  visit_values("color_spread", cloud.color_spreads);
+}
+
+void fill_records(const PointCloud& cloud, size_t first, size_t size, size_t record_size, char* records) {
+  size_t offset = 0;
+  for_each_field(cloud, [&](const char*, const auto& value_of) {
+    for (size_t i = 0; i < size; ++i) {
+      const auto value = value_of(first + i);
+      std::memcpy(records + i * record_size + offset, &value, sizeof(value));
+    }
+    offset += sizeof(value_of(0));
+  });
 }
 
 }  // namespace
@@ -251,42 +301,33 @@ PointCloud read_pcd(const std::string& path, ReadCounts* counts) {
 }
 
 void write_pcd(const std::string& path, const PointCloud& cloud) {
-  const bool local = cloud.origin.isZero(0.0);
-  std::string fields = "FIELDS x y z", sizes = local ? "SIZE 4 4 4" : "SIZE 8 8 8", types = "TYPE F F F",
-              counts = "COUNT 1 1 1";
-  const auto add = [&](const char* name, char type, int size) {
+  std::string fields, sizes, types, counts;
+  size_t record_size = 0;
+  for_each_field(cloud, [&](const char* name, const auto& value_of) {
+    using Value = decltype(value_of(0));
     fields += fmt::format(" {}", name);
-    sizes += fmt::format(" {}", size);
-    types += fmt::format(" {}", type);
+    sizes += fmt::format(" {}", sizeof(Value));
+    // Packed colours are called a float, as PCL does.
+    types += std::is_floating_point_v<Value> || name == kPackedColor ? " F" : " U";
     counts += " 1";
-  };
-  if (!cloud.intensities.empty()) add("intensity", 'F', 4);
-  if (!cloud.colors.empty()) add("rgb", 'F', 4);
-  if (!cloud.stamps_s.empty()) add("timestamp", 'F', 8);
-  if (!cloud.num_views.empty()) add("num_views", 'U', 2);
-  if (!cloud.best_images.empty()) add("best_image", 'U', 4);
-  if (!cloud.color_spreads.empty()) add("color_spread", 'U', 1);
-
+    record_size += sizeof(Value);
+  });
   AtomicFile file(path);
   file.stream() << fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT 1\n"
-      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\nWIDTH {}\n"
+      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
       fields, sizes, types, counts, cloud.size(), cloud.size());
-  ByteWriter writer(&file.stream());
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3d point = cloud.point(i);
-    for (int axis = 0; axis < 3; ++axis) local ? writer.put(cloud.positions[i][axis]) : writer.put(point[axis]);
-    if (!cloud.intensities.empty()) writer.put(cloud.intensities[i]);
-    if (!cloud.colors.empty()) {
-      const Rgb& color = cloud.colors[i];
-      writer.put(static_cast<uint32_t>(color[0]) << 16 | static_cast<uint32_t>(color[1]) << 8 | color[2]);
-    }
-    if (!cloud.stamps_s.empty()) writer.put(cloud.stamps_s[i]);
-    if (!cloud.num_views.empty()) writer.put(cloud.num_views[i]);
-    if (!cloud.best_images.empty()) writer.put(cloud.best_images[i]);
-    if (!cloud.color_spreads.empty()) writer.put(cloud.color_spreads[i]);
+  // A batch of blocks is made by all threads and then written, so that memory does not grow with the cloud.
+  constexpr size_t kBlock = 1 << 14;
+  constexpr size_t kBatch = 8 * kBlock;
+  std::vector<char> records(std::min(kBatch, cloud.size()) * record_size);
+  for (size_t first = 0; first < cloud.size(); first += kBatch) {
+    const size_t size = std::min(kBatch, cloud.size() - first);
+    parallel_for_chunks(size, kBlock, [&](size_t begin, size_t end) {
+      fill_records(cloud, first + begin, end - begin, record_size, &records[begin * record_size]);
+    });
+    file.stream().write(records.data(), static_cast<std::streamsize>(size * record_size));
   }
-  writer.flush();
   file.commit();
 }
 

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <vector>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/memory.h"
 #include "cpplus/core/options.h"
+#include "cpplus/core/parallel.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/cloud_output.h"
 #include "cpplus/pipeline/scan_folder.h"
@@ -14,6 +16,8 @@
 namespace cpplus {
 
 namespace {
+
+constexpr size_t kPointsPerTask = 1 << 16;
 
 template <typename T>
 void keep_static(const std::vector<uint8_t>& labels, std::vector<T>* values) {
@@ -23,6 +27,16 @@ void keep_static(const std::vector<uint8_t>& labels, std::vector<T>* values) {
     if (labels[i] == 0) (*values)[kept++] = (*values)[i];
   }
   values->resize(kept);
+}
+
+/// The positions that a map was made of; those that it dropped come back as not a number.
+std::vector<Eigen::Vector3f> positions_in_input_order(const VoxelMap& map) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<Eigen::Vector3f> positions(map.num_points() + map.num_dropped(), Eigen::Vector3f::Constant(kNan));
+  parallel_for_chunks(map.num_points(), kPointsPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) positions[map.input_index(i)] = map.positions()[i];
+  });
+  return positions;
 }
 
 }  // namespace
@@ -43,8 +57,10 @@ CleanSummary run_clean(const CleanCommandOptions& options) {
   DynamicsResult dynamics;
   {
     const VoxelMap map(points, options.voxel_map);
-    return_freed_memory();  // what building the map took
+    points.positions = {};  // the map holds them
+    return_freed_memory();  // and what building the map took
     dynamics = find_dynamics(map, folder.scans, options.dynamics);
+    points.positions = positions_in_input_order(map);
   }
   const CleanSummary summary{folder.files.size(), points.size(), dynamics.num_dynamic};
   if (summary.num_dynamic == summary.num_points) throw Error(fmt::format("{}: no point is static", options.scans));
