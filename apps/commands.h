@@ -15,6 +15,7 @@ void add_poses_command(CommandLine* command_line);
 void add_refine_command(CommandLine* command_line);
 void add_report_command(CommandLine* command_line);
 void add_run_command(CommandLine* command_line);
+void add_index_command(CommandLine* command_line);
 void add_info_command(CommandLine* command_line);
 void add_simulate_command(CommandLine* command_line);
 void add_view_command(CommandLine* command_line);

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
     cpplus::add_refine_command(&command_line);
     cpplus::add_report_command(&command_line);
     cpplus::add_run_command(&command_line);
+    cpplus::add_index_command(&command_line);
     cpplus::add_info_command(&command_line);
     cpplus::add_simulate_command(&command_line);
     cpplus::add_view_command(&command_line);

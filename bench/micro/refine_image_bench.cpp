@@ -14,7 +14,7 @@
 #include "cpplus/core/parallel.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
-#include "cpplus/io/point_cloud_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/pipeline/refine_images.h"
 
 namespace cpplus::bench {
@@ -48,7 +48,7 @@ struct Scene {
 
 void load(const std::string& folder, const std::string& poses, Scene* scene) {
   scene->model = read_sparse_model(folder + "/" + poses);
-  scene->features = extract_map_features(read_point_cloud(folder + "/map.pcd"), scene->options);
+  scene->features = extract_map_features(read_map(folder + "/map.pcd", scene->options.voxel_map), scene->options);
   for (const PosedImage& image : scene->model.images) {
     View view;
     view.path = folder + "/images/" + image.name;

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "cpplus/cloud/voxel_map_build.h"
 #include "cpplus/core/options.h"
@@ -46,6 +47,11 @@ VoxelMap::VoxelMap(const PointCloud& cloud, const VoxelMapOptions& options) : op
   options.validate();
   grid_ = VoxelGrid(cloud.origin, options.root_size_m, options.leaf_size_m);
   arrays_ = build_voxel_map(cloud, options);
+}
+
+VoxelMap::VoxelMap(const Eigen::Vector3d& origin, const VoxelMapOptions& options, VoxelMapArrays arrays)
+    : options_(options), grid_(origin, options.root_size_m, options.leaf_size_m), arrays_(std::move(arrays)) {
+  options.validate();
 }
 
 size_t VoxelMap::memory_bytes() const {

@@ -54,6 +54,8 @@ class VoxelMap {
   /// dropped. Throws Error for a finite point beyond 2^30 leaves from the grid origin (67,000 km for 62.5 mm leaves),
   /// and for more than 2^32 - 2 points.
   VoxelMap(const PointCloud& cloud, const VoxelMapOptions& options);
+  /// A map that was built before, from its arrays; `origin` is that of its points, map frame, metres.
+  VoxelMap(const Eigen::Vector3d& origin, const VoxelMapOptions& options, VoxelMapArrays arrays);
 
   const VoxelMapOptions& options() const { return options_; }
   int num_layers() const { return static_cast<int>(arrays_.layers.size()); }
@@ -65,6 +67,7 @@ class VoxelMap {
   size_t num_dropped() const { return arrays_.num_dropped; }
   /// Bytes of all arrays.
   size_t memory_bytes() const;
+  const VoxelMapArrays& arrays() const { return arrays_; }
   const Eigen::Vector3d& origin() const { return grid_.origin; }
   /// Points in map order; position in the map = origin() + positions()[i].
   std::span<const Eigen::Vector3f> positions() const { return arrays_.positions; }

@@ -336,7 +336,7 @@ VoxelMapArrays build_voxel_map(const PointCloud& cloud, const VoxelMapOptions& o
   auto owner = std::make_shared<Owner>();
   owner->points = sort_points_by_root(cloud, options);
   PointsByRoot& points = owner->points;
-  owner->root_table = make_key_table(points.root_keys, 3 * points.root_keys.size() / 2);
+  owner->root_table = make_root_table(points.root_keys);
 
   const std::vector<uint32_t> groups = group_roots(points.points_begin);
   std::vector<std::vector<LayerNodes>> nodes(groups.size() - 1);

@@ -138,4 +138,9 @@ inline std::vector<uint32_t> make_key_table(std::span<const Eigen::Vector3i> key
   return table;
 }
 
+/// The table of a voxel map's roots.
+inline std::vector<uint32_t> make_root_table(std::span<const Eigen::Vector3i> root_keys) {
+  return make_key_table(root_keys, 3 * root_keys.size() / 2);
+}
+
 }  // namespace cpplus

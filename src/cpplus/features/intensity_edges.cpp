@@ -245,7 +245,7 @@ void IntensityEdgeOptions::validate() const {
   check_option(sigma_m > 0, "sigma_m", "(0, inf)", sigma_m);
 }
 
-std::vector<MapEdge> find_intensity_edges(const VoxelMap& map, const std::vector<float>& intensities,
+std::vector<MapEdge> find_intensity_edges(const VoxelMap& map, std::span<const float> intensities,
                                           const PlaneSegmentation& planes, const IntensityEdgeOptions& options) {
   options.validate();
   if (!options.enabled || intensities.empty()) return {};
@@ -254,7 +254,7 @@ std::vector<MapEdge> find_intensity_edges(const VoxelMap& map, const std::vector
     const PlanePoints points = plane_points(map, planes, i);
     std::vector<float> values;
     values.reserve(points.indices.size());
-    for (const uint32_t index : points.indices) values.push_back(intensities[map.input_index(index)]);
+    for (const uint32_t index : points.indices) values.push_back(intensities[index]);
     edges_of[i] = IntensityEdgeFinder(points, values, options).run();
   });
   return concatenate_groups(edges_of);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "cpplus/cloud/map_edge.h"
@@ -37,8 +38,8 @@ struct IntensityEdgeOptions {
 
 /// Straight edges of the LiDAR intensity on plane instances. A change of material is seen by the camera too, more often
 /// than not; the ratio of both sides does not depend on range and incidence, which scale them alike.
-/// `intensities` are in the order of the input cloud (VoxelMap::input_index); empty: no edges.
-std::vector<MapEdge> find_intensity_edges(const VoxelMap& map, const std::vector<float>& intensities,
+/// `intensities` are in map order; empty: no edges.
+std::vector<MapEdge> find_intensity_edges(const VoxelMap& map, std::span<const float> intensities,
                                           const PlaneSegmentation& planes, const IntensityEdgeOptions& options);
 
 }  // namespace cpplus

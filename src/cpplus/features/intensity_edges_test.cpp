@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cpplus/cloud/point_map.h"
 #include "cpplus/core/error.h"
 #include "cpplus/features/plane_segmentation.h"
 #include "cpplus/features/test_surfaces.h"
@@ -30,7 +31,7 @@ PointCloud painted_wall(double dark, double bright, double intensity_noise, uint
 /// Edges in the frame of the wall.
 std::vector<MapEdge> edges_of(const PointCloud& cloud, const std::vector<float>& intensities) {
   const VoxelMap map(cloud, {});
-  auto edges = find_intensity_edges(map, intensities, segment_planes(map, {}), {});
+  auto edges = find_intensity_edges(map, in_map_order(map, intensities), segment_planes(map, {}), {});
   const Eigen::Isometry3d wall_from_map = oblique_frame().inverse();
   for (MapEdge& edge : edges) {
     edge.start = wall_from_map * edge.start;
@@ -84,7 +85,7 @@ TEST(IntensityEdges, OffOrWithoutIntensitiesThereAreNone) {
   const VoxelMap map(cloud, {});
   IntensityEdgeOptions off;
   off.enabled = false;
-  EXPECT_TRUE(find_intensity_edges(map, cloud.intensities, segment_planes(map, {}), off).empty());
+  EXPECT_TRUE(find_intensity_edges(map, in_map_order(map, cloud.intensities), segment_planes(map, {}), off).empty());
 }
 
 TEST(IntensityEdges, RejectsOptionsOutOfRange) {

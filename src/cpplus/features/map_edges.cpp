@@ -71,7 +71,7 @@ void MapEdgeOptions::validate() const {
   check_option(min_separation_m >= 0, "min_separation_m", "[0, inf)", min_separation_m);
 }
 
-std::vector<MapEdge> find_map_edges(const VoxelMap& map, const std::vector<float>& intensities,
+std::vector<MapEdge> find_map_edges(const VoxelMap& map, std::span<const float> intensities,
                                     const PlaneSegmentation& planes, const MapEdgeOptions& options) {
   options.validate();
   const std::vector<std::vector<MapEdge>> kinds = {find_crease_edges(map, planes, options.crease),

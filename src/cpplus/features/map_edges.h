@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "cpplus/features/boundary_edges.h"
@@ -28,7 +29,7 @@ struct MapEdgeOptions {
 /// All edges of the map, of every kind: creases, then intensity edges, then boundaries; groups are distinct. A
 /// boundary or intensity edge that runs along a crease (a corner whose second face the LiDAR hardly saw) says the same
 /// less exactly and is left out. `intensities` as in find_intensity_edges.
-std::vector<MapEdge> find_map_edges(const VoxelMap& map, const std::vector<float>& intensities,
+std::vector<MapEdge> find_map_edges(const VoxelMap& map, std::span<const float> intensities,
                                     const PlaneSegmentation& planes, const MapEdgeOptions& options);
 
 }  // namespace cpplus

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "cpplus/cloud/point_map.h"
 #include "cpplus/features/map_edges.h"
 #include "cpplus/features/plane_segmentation.h"
 #include "cpplus/simulate/simulate.h"
@@ -100,7 +101,7 @@ TEST(SlowMapEdges, CreasesOfSimulatedRooms) {
       options.scan_pose_sigma_deg = 0.0;
       const SimulatedWorld world = simulate_world(options);
       const VoxelMap map(world.map, {});
-      const auto edges = find_map_edges(map, world.map.intensities, segment_planes(map, {}), {});
+      const auto edges = find_map_edges(map, in_map_order(map, world.map.intensities), segment_planes(map, {}), {});
       measure(edges, world.edges, MapEdgeKind::kCrease, &creases, &ceilings);
       measure(edges, world.edges, MapEdgeKind::kBoundary, &borders);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cpplus/cloud/point_map.h"
 #include "cpplus/core/error.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/features/plane_segmentation.h"
@@ -34,7 +35,7 @@ PointCloud box_before_a_wall(uint64_t seed) {
 
 std::vector<MapEdge> edges_of(const PointCloud& cloud) {
   const VoxelMap map(cloud, {});
-  return find_map_edges(map, cloud.intensities, segment_planes(map, {}), {});
+  return find_map_edges(map, in_map_order(map, cloud.intensities), segment_planes(map, {}), {});
 }
 
 TEST(MapEdges, ASceneHasEdgesOfAllKindsInOrder) {

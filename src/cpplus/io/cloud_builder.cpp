@@ -35,16 +35,21 @@ void keep(std::vector<T>* values, size_t to, size_t from) {
 
 CloudBuilder::CloudBuilder(const std::string& path, size_t num_points, const std::vector<PointField>& fields)
     : path_(path) {
-  const auto has = [&](PointRole role) {
-    const auto count =
-        std::count_if(fields.begin(), fields.end(), [&](const auto& field) { return field.role == role; });
-    return count > 0;
-  };
-  if (!has(PointRole::kX) || !has(PointRole::kY) || !has(PointRole::kZ)) {
+  for (const PointField& field : fields) roles_.push_back(field.role);
+  for (const PointRole role : {PointRole::kX, PointRole::kY, PointRole::kZ}) {
+    if (std::find(roles_.begin(), roles_.end(), role) != roles_.end()) continue;
     std::string names;
     for (const PointField& field : fields) names += " " + field.name;
     throw Error(fmt::format("{}: has no x, y and z: its fields are{}", path, names));
   }
+  rounds_ = std::any_of(fields.begin(), fields.end(), [](const PointField& field) {
+    return field.role >= PointRole::kX && field.role <= PointRole::kZ && field.type != ScalarType::kFloat32;
+  });
+  resize(num_points);
+}
+
+void CloudBuilder::resize(size_t num_points) {
+  const auto has = [&](PointRole role) { return std::find(roles_.begin(), roles_.end(), role) != roles_.end(); };
   cloud_.positions.resize(num_points);
   if (has(PointRole::kIntensity)) cloud_.intensities.resize(num_points);
   if (has(PointRole::kPackedRgb) || has(PointRole::kRed)) cloud_.colors.resize(num_points);
@@ -52,9 +57,6 @@ CloudBuilder::CloudBuilder(const std::string& path, size_t num_points, const std
   if (has(PointRole::kNumViews)) cloud_.num_views.resize(num_points);
   if (has(PointRole::kBestImage)) cloud_.best_images.resize(num_points);
   if (has(PointRole::kColorSpread)) cloud_.color_spreads.resize(num_points);
-  rounds_ = std::any_of(fields.begin(), fields.end(), [](const PointField& field) {
-    return field.role >= PointRole::kX && field.role <= PointRole::kZ && field.type != ScalarType::kFloat32;
-  });
 }
 
 void CloudBuilder::set_coordinate(size_t point, int axis, double value) {
@@ -137,18 +139,15 @@ void CloudBuilder::set_column(size_t first, size_t size, const PointField& field
   for (; i < size; ++i) set_from_bytes(first + i, field, data + i * stride, false);
 }
 
-PointCloud CloudBuilder::finish(ReadCounts* counts) {
-  const size_t in_file = cloud_.size();
+std::vector<size_t> CloudBuilder::drop_non_finite() {
+  const size_t size = cloud_.size();
   size_t kept = 0;
   std::vector<size_t> dropped;
-  Eigen::Array3f farthest = Eigen::Array3f::Zero();
-  for (size_t i = 0; i < in_file; ++i) {
-    const Eigen::Vector3f& position = cloud_.positions[i];
-    if (!position.allFinite()) {
+  for (size_t i = 0; i < size; ++i) {
+    if (!cloud_.positions[i].allFinite()) {
       dropped.push_back(i);
       continue;
     }
-    farthest = farthest.max(position.array().abs());
     if (kept != i) {
       keep(&cloud_.positions, kept, i);
       keep(&cloud_.intensities, kept, i);
@@ -160,25 +159,26 @@ PointCloud CloudBuilder::finish(ReadCounts* counts) {
     }
     ++kept;
   }
-  if (kept == 0) {
-    throw Error(in_file == 0 ? fmt::format("{}: holds no points", path_)
-                             : fmt::format("{}: none of its {} points is finite", path_, in_file));
-  }
-  const auto shorten = [&](auto* values) {
-    if (!values->empty()) values->resize(kept);
-  };
-  shorten(&cloud_.positions);
-  shorten(&cloud_.intensities);
-  shorten(&cloud_.colors);
-  shorten(&cloud_.stamps_s);
-  shorten(&cloud_.num_views);
-  shorten(&cloud_.best_images);
-  shorten(&cloud_.color_spreads);
+  resize(kept);
+  return dropped;
+}
+
+PointCloud CloudBuilder::finish(ReadCounts* counts) {
+  const size_t in_file = cloud_.size();
+  std::vector<size_t> dropped = drop_non_finite();
+  if (cloud_.empty()) throw_no_finite_points(path_, in_file);
   if (counts != nullptr) {
+    Eigen::Array3f farthest = Eigen::Array3f::Zero();
+    for (const Eigen::Vector3f& position : cloud_.positions) farthest = farthest.max(position.array().abs());
     *counts = {in_file, dropped.size(),
                rounds_ || !cloud_.origin.isZero(0.0) ? float_rounding(farthest.maxCoeff()) : 0.0, std::move(dropped)};
   }
   return std::move(cloud_);
+}
+
+void throw_no_finite_points(const std::string& path, size_t num_points) {
+  throw Error(num_points == 0 ? fmt::format("{}: holds no points", path)
+                              : fmt::format("{}: none of its {} points is finite", path, num_points));
 }
 
 }  // namespace cpplus

@@ -40,7 +40,11 @@ class CloudBuilder {
   /// The same for one little-endian field of `size` points from `first` on, whose records are `stride` bytes apart.
   void set_column(size_t first, size_t size, const PointField& field, const uint8_t* data, size_t stride);
 
-  PointCloud& cloud() { return cloud_; }
+  /// For another block of the same file: the origin stays once it is chosen.
+  void resize(size_t num_points);
+  /// Closes the gaps that they leave; returns their places, ascending.
+  std::vector<size_t> drop_non_finite();
+  const PointCloud& cloud() const { return cloud_; }
 
   /// Drops non-finite points and hands the cloud over. Throws Error when no point is left.
   PointCloud finish(ReadCounts* counts);
@@ -49,9 +53,13 @@ class CloudBuilder {
   void set_coordinate(size_t point, int axis, double value);
 
   std::string path_;
+  std::vector<PointRole> roles_;
   PointCloud cloud_;
   bool origin_known_[3] = {false, false, false};
   bool rounds_ = false;
 };
+
+/// Throws the Error of a file whose points are all not finite, or that has none.
+[[noreturn]] void throw_no_finite_points(const std::string& path, size_t num_points);
 
 }  // namespace cpplus

@@ -21,27 +21,61 @@ constexpr size_t kRecordHeaderSize = 54;
 constexpr size_t kExtraBytesEntrySize = 192;
 
 /// Colours of 16 bits become 8 bits by their high byte. Many writers store 8 bits all the same, which only shows when
-/// all points have been seen: low bytes are kept until the first larger value, then all before it were (nearly) black.
-class ColorScale {
- public:
-  explicit ColorScale(std::vector<Rgb>* colors) : colors_(colors) {}
-
-  void set(size_t point, const uint8_t* data) {
+/// all points have been seen.
+bool has_wide_colors(const std::string& path) {
+  BlockReader reader(path);
+  const LasHeader header = read_las_header(&reader);
+  const size_t offset = las_color_offset(header.point_format);
+  if (offset == 0) return false;
+  for (size_t point = 0; point < header.num_points; ++point) {
     uint16_t channels[3];
-    std::memcpy(channels, data, sizeof(channels));
+    std::memcpy(channels, reader.take(header.record_size) + offset, sizeof(channels));
     constexpr uint16_t kByte = 255;
-    if (!sixteen_bits_ && *std::max_element(channels, channels + 3) > kByte) {
-      sixteen_bits_ = true;
-      std::fill(colors_->begin(), colors_->begin() + static_cast<std::ptrdiff_t>(point), Rgb{});
-    }
-    for (size_t i = 0; i < 3; ++i) {
-      (*colors_)[point][i] = static_cast<uint8_t>(sixteen_bits_ ? channels[i] >> 8 : channels[i]);
+    if (*std::max_element(channels, channels + 3) > kByte) return true;
+  }
+  return false;
+}
+
+class LasSource : public CloudSource {
+ public:
+  explicit LasSource(const std::string& path) : reader_(path), header_(read_las_header(&reader_)) {}
+
+  size_t num_points() const override { return header_.num_points; }
+  const std::vector<PointField>& fields() const override { return header_.fields; }
+  std::optional<LasFrame> las_frame() const override { return header_.frame; }
+
+  void read(size_t count, CloudBuilder* builder) override {
+    if (!color_shift_) color_shift_ = has_wide_colors(reader_.path()) ? 8 : 0;
+    for (size_t point = 0; point < count; ++point) {
+      const uint8_t* record = reader_.take(header_.record_size);
+      for (const PointField& field : header_.fields) set(point, field, record, builder);
     }
   }
 
  private:
-  std::vector<Rgb>* colors_;
-  bool sixteen_bits_ = false;
+  void set(size_t point, const PointField& field, const uint8_t* record, CloudBuilder* builder) const {
+    const double value = load_scalar(record + field.offset, field.type, false);
+    switch (field.role) {
+      case PointRole::kX:
+      case PointRole::kY:
+      case PointRole::kZ: {
+        const int axis = static_cast<int>(field.role) - static_cast<int>(PointRole::kX);
+        builder->set(point, field.role, value * header_.frame.scale[axis] + header_.frame.offset[axis]);
+        break;
+      }
+      case PointRole::kRed:
+      case PointRole::kGreen:
+      case PointRole::kBlue:
+        builder->set(point, field.role, static_cast<uint16_t>(value) >> *color_shift_);
+        break;
+      default:
+        builder->set(point, field.role, value);
+    }
+  }
+
+  BlockReader reader_;
+  LasHeader header_;
+  std::optional<int> color_shift_;
 };
 
 /// The grid of the output and the cloud's extent on it.
@@ -232,38 +266,7 @@ void put_point(const PointCloud& cloud, const Grid& grid, int point_format, doub
 
 }  // namespace
 
-PointCloud read_las(const std::string& path, ReadCounts* counts) {
-  BlockReader reader(path);
-  const LasHeader header = read_las_header(&reader);
-  CloudBuilder builder(path, header.num_points, header.fields);
-  ColorScale colors(&builder.cloud().colors);
-  for (size_t point = 0; point < header.num_points; ++point) {
-    const uint8_t* record = reader.take(header.record_size);
-    for (const PointField& field : header.fields) {
-      const double value = load_scalar(record + field.offset, field.type, false);
-      switch (field.role) {
-        case PointRole::kX:
-        case PointRole::kY:
-        case PointRole::kZ: {
-          const int axis = static_cast<int>(field.role) - static_cast<int>(PointRole::kX);
-          builder.set(point, field.role, value * header.frame.scale[axis] + header.frame.offset[axis]);
-          break;
-        }
-        case PointRole::kRed:
-          colors.set(point, record + field.offset);
-          break;
-        case PointRole::kGreen:
-        case PointRole::kBlue:
-          break;
-        default:
-          builder.set(point, field.role, value);
-      }
-    }
-  }
-  PointCloud cloud = builder.finish(counts);
-  cloud.las_frame = header.frame;
-  return cloud;
-}
+std::unique_ptr<CloudSource> open_las(const std::string& path) { return std::make_unique<LasSource>(path); }
 
 void write_las(const std::string& path, const PointCloud& cloud) {
   const Grid grid = choose_grid(path, cloud);

@@ -1,17 +1,18 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "cpplus/cloud/point_cloud.h"
-#include "cpplus/io/cloud_builder.h"
+#include "cpplus/io/cloud_source.h"
 
 namespace cpplus {
 
-/// Reads LAS 1.2 to 1.4 with point formats 0-3 and 6-8: positions, intensity (0..65535), GPS time as it stands, colour
+/// Opens LAS 1.2 to 1.4 with point formats 0-3 and 6-8: positions, intensity (0..65535), GPS time as it stands, colour
 /// (16-bit, or 8-bit where no channel of the file exceeds 255), and the extra bytes "num_views", "best_image" and
 /// "color_spread". The file's grid and
 /// coordinate system are kept in PointCloud::las_frame.
-PointCloud read_las(const std::string& path, ReadCounts* counts);
+std::unique_ptr<CloudSource> open_las(const std::string& path);
 
 /// Writes LAS 1.4 with point format 0 (bare), 1 (stamps), 2 (colour) or 3 (both); 6 or 7 (colour), which always have a
 /// stamp (0 without stamps), where the coordinate system is WKT or the points are too many for the others. View counts,

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cpplus/core/error.h"
@@ -121,29 +122,52 @@ void check_size(const BlockReader& reader, const PcdHeader& header) {
   }
 }
 
-void read_ascii(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
-  size_t num_words = 0;
-  for (const PointField& field : header.fields) num_words += field.count;
-  std::string_view line;
-  std::vector<std::string_view> words;
-  size_t point = 0;
-  while (reader->take_line(&line)) {
-    split_words(line, &words);
-    if (words.empty() || words[0].starts_with('#')) continue;
-    if (words.size() != num_words || point == header.num_points) {
-      throw Error(point == header.num_points ? fmt::format("{}:{}: more points than POINTS {} says", reader->path(),
-                                                           reader->line_number(), point)
-                                             : fmt::format("{}:{}: {} numbers instead of {}", reader->path(),
-                                                           reader->line_number(), words.size(), num_words));
+class AsciiSource : public CloudSource {
+ public:
+  AsciiSource(BlockReader reader, PcdHeader header) : reader_(std::move(reader)), header_(std::move(header)) {
+    for (const PointField& field : header_.fields) num_words_ += field.count;
+  }
+
+  size_t num_points() const override { return header_.num_points; }
+  const std::vector<PointField>& fields() const override { return header_.fields; }
+
+  void read(size_t count, CloudBuilder* builder) override {
+    for (size_t point = 0; point < count; ++point, ++next_) {
+      if (!take_words()) {
+        throw Error(
+            fmt::format("{}: truncated: {} points instead of POINTS {}", reader_.path(), next_, header_.num_points));
+      }
+      if (words_.size() != num_words_) {
+        throw Error(fmt::format("{}:{}: {} numbers instead of {}", reader_.path(), reader_.line_number(), words_.size(),
+                                num_words_));
+      }
+      set(point, builder);
     }
+    if (next_ == header_.num_points && take_words()) {
+      throw Error(fmt::format("{}:{}: more points than POINTS {} says", reader_.path(), reader_.line_number(), next_));
+    }
+  }
+
+ private:
+  /// The words of the next line that is neither empty nor a comment; false at the end of the file.
+  bool take_words() {
+    std::string_view line;
+    while (reader_.take_line(&line)) {
+      split_words(line, &words_);
+      if (!words_.empty() && !words_[0].starts_with('#')) return true;
+    }
+    return false;
+  }
+
+  void set(size_t point, CloudBuilder* builder) const {
     size_t word = 0;
-    for (const PointField& field : header.fields) {
-      const std::string_view text = words[word];
+    for (const PointField& field : header_.fields) {
+      const std::string_view text = words_[word];
       word += field.count;
       if (field.role == PointRole::kNone) continue;
       const std::optional<double> value = parse_double(text);
       if (!value) {
-        throw Error(fmt::format("{}:{}: {} is not a number: {}", reader->path(), reader->line_number(), field.name,
+        throw Error(fmt::format("{}:{}: {} is not a number: {}", reader_.path(), reader_.line_number(), field.name,
                                 in_quotes(text)));
       }
       // Older writers print a packed colour as the float that its bits make; plain digits are the integer itself.
@@ -153,51 +177,128 @@ void read_ascii(const PcdHeader& header, BlockReader* reader, CloudBuilder* buil
         builder->set(point, field.role, converted(field, *value));
       }
     }
-    ++point;
   }
-  if (point < header.num_points) {
-    throw Error(fmt::format("{}: truncated: {} points instead of POINTS {}", reader->path(), point, header.num_points));
-  }
-}
 
-void read_binary(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
-  constexpr size_t kBlockSize = size_t{1} << 18;
-  const size_t block = std::max<size_t>(1, kBlockSize / std::max<size_t>(1, header.record_size));
-  for (size_t first = 0; first < header.num_points; first += block) {
-    const size_t size = std::min(block, header.num_points - first);
-    const uint8_t* records = reader->take(size * header.record_size);
-    for (const PointField& field : header.fields) {
+  BlockReader reader_;
+  PcdHeader header_;
+  size_t num_words_ = 0;
+  size_t next_ = 0;
+  std::vector<std::string_view> words_;
+};
+
+class BinarySource : public CloudSource {
+ public:
+  BinarySource(BlockReader reader, PcdHeader header) : reader_(std::move(reader)), header_(std::move(header)) {}
+
+  size_t num_points() const override { return header_.num_points; }
+  const std::vector<PointField>& fields() const override { return header_.fields; }
+
+  void read(size_t count, CloudBuilder* builder) override {
+    constexpr size_t kBlockSize = size_t{1} << 18;
+    const size_t block = std::max<size_t>(1, kBlockSize / std::max<size_t>(1, header_.record_size));
+    for (size_t first = 0; first < count; first += block) {
+      const size_t size = std::min(block, count - first);
+      const uint8_t* records = reader_.take(size * header_.record_size);
+      for (const PointField& field : header_.fields) {
+        if (field.role == PointRole::kNone) continue;
+        builder->set_column(first, size, field, records + field.offset, header_.record_size);
+      }
+    }
+  }
+
+ private:
+  BlockReader reader_;
+  PcdHeader header_;
+};
+
+/// One field of a compressed file: the decoded data holds the fields one after the other, each for all points.
+class CompressedColumn {
+ public:
+  CompressedColumn(const std::string& path, uint64_t data_offset, uint64_t compressed_size)
+      : reader_(path), decoder_(&reader_, compressed_size), data_offset_(data_offset) {}
+  CompressedColumn(const CompressedColumn&) = delete;
+  CompressedColumn& operator=(const CompressedColumn&) = delete;
+
+  /// Goes to `decoded_offset`: there is no way there but by decoding what comes before.
+  void skip_to(uint64_t decoded_offset) {
+    reader_.skip(data_offset_);
+    std::vector<uint8_t> ignored(1 << 16);
+    for (uint64_t left = decoded_offset; left > 0;) {
+      const size_t step = static_cast<size_t>(std::min<uint64_t>(left, ignored.size()));
+      decoder_.decode(ignored.data(), step);
+      left -= step;
+    }
+  }
+
+  /// Sets the field in the next `count` points, or passes over it where it means nothing.
+  void read(const PointField& field, size_t count, CloudBuilder* builder) {
+    value_.resize(field.count * scalar_size(field.type));
+    for (size_t point = 0; point < count; ++point) {
+      decoder_.decode(value_.data(), value_.size());
+      if (field.role != PointRole::kNone) builder->set_from_bytes(point, field, value_.data(), false);
+    }
+  }
+
+ private:
+  BlockReader reader_;
+  LzfDecoder decoder_;
+  uint64_t data_offset_;
+  std::vector<uint8_t> value_;
+};
+
+class CompressedSource : public CloudSource {
+ public:
+  CompressedSource(BlockReader reader, PcdHeader header) : path_(reader.path()), header_(std::move(header)) {
+    const auto take_size = [&]() {
+      return static_cast<uint64_t>(load_scalar(reader.take(4), ScalarType::kUint32, false));
+    };
+    compressed_size_ = take_size();
+    const uint64_t decoded_size = take_size();
+    if (compressed_size_ > reader.remaining()) {
+      throw Error(fmt::format("{}: truncated: {} compressed bytes announced, {} left in the file", path_,
+                              compressed_size_, reader.remaining()));
+    }
+    if (decoded_size != header_.num_points * header_.record_size) {
+      throw Error(fmt::format("{}: decoded size {} is not POINTS {} of {} bytes", path_, decoded_size,
+                              header_.num_points, header_.record_size));
+    }
+    data_offset_ = reader.position();
+  }
+
+  size_t num_points() const override { return header_.num_points; }
+  const std::vector<PointField>& fields() const override { return header_.fields; }
+
+  /// All points at once are decoded in one go; blocks of them by one decoder a field, each of which has to decode what
+  /// comes before its field first.
+  void read(size_t count, CloudBuilder* builder) override {
+    if (count == header_.num_points) {
+      CompressedColumn all(path_, data_offset_, compressed_size_);
+      all.skip_to(0);
+      for (const PointField& field : header_.fields) all.read(field, count, builder);
+      return;
+    }
+    if (columns_.empty()) open_columns();
+    for (size_t i = 0; i < columns_.size(); ++i) {
+      if (columns_[i]) columns_[i]->read(header_.fields[i], count, builder);
+    }
+  }
+
+ private:
+  void open_columns() {
+    for (const PointField& field : header_.fields) {
+      columns_.push_back(nullptr);
       if (field.role == PointRole::kNone) continue;
-      builder->set_column(first, size, field, records + field.offset, header.record_size);
+      columns_.back() = std::make_unique<CompressedColumn>(path_, data_offset_, compressed_size_);
+      columns_.back()->skip_to(header_.num_points * field.offset);
     }
   }
-}
 
-/// The decoded data holds the fields one after the other, each for all points.
-void read_binary_compressed(const PcdHeader& header, BlockReader* reader, CloudBuilder* builder) {
-  const auto take_size = [&]() {
-    return static_cast<uint64_t>(load_scalar(reader->take(4), ScalarType::kUint32, false));
-  };
-  const uint64_t compressed_size = take_size();
-  const uint64_t decoded_size = take_size();
-  if (compressed_size > reader->remaining()) {
-    throw Error(fmt::format("{}: truncated: {} compressed bytes announced, {} left in the file", reader->path(),
-                            compressed_size, reader->remaining()));
-  }
-  if (decoded_size != header.num_points * header.record_size) {
-    throw Error(fmt::format("{}: decoded size {} is not POINTS {} of {} bytes", reader->path(), decoded_size,
-                            header.num_points, header.record_size));
-  }
-  LzfDecoder decoder(reader, compressed_size);
-  std::vector<uint8_t> value;
-  for (const PointField& field : header.fields) {
-    value.resize(field.count * scalar_size(field.type));
-    for (size_t point = 0; point < header.num_points; ++point) {
-      decoder.decode(value.data(), value.size());
-      if (field.role != PointRole::kNone) builder->set_from_bytes(point, field, value.data(), false);
-    }
-  }
-}
+  std::string path_;
+  PcdHeader header_;
+  uint64_t compressed_size_ = 0;
+  uint64_t data_offset_ = 0;
+  std::vector<std::unique_ptr<CompressedColumn>> columns_;
+};
 
 constexpr const char* kPackedColor = "rgb";
 
@@ -282,22 +383,18 @@ PcdHeader read_pcd_header(BlockReader* reader) {
   return header;
 }
 
-PointCloud read_pcd(const std::string& path, ReadCounts* counts) {
+std::unique_ptr<CloudSource> open_pcd(const std::string& path) {
   BlockReader reader(path);
-  const PcdHeader header = read_pcd_header(&reader);
-  CloudBuilder builder(path, header.num_points, header.fields);
+  PcdHeader header = read_pcd_header(&reader);
   switch (header.encoding) {
     case PcdHeader::Encoding::kAscii:
-      read_ascii(header, &reader, &builder);
-      break;
+      return std::make_unique<AsciiSource>(std::move(reader), std::move(header));
     case PcdHeader::Encoding::kBinary:
-      read_binary(header, &reader, &builder);
-      break;
+      return std::make_unique<BinarySource>(std::move(reader), std::move(header));
     case PcdHeader::Encoding::kBinaryCompressed:
-      read_binary_compressed(header, &reader, &builder);
-      break;
+      return std::make_unique<CompressedSource>(std::move(reader), std::move(header));
   }
-  return builder.finish(counts);
+  throw Error(fmt::format("{}: PCD header: unknown DATA", path));
 }
 
 void write_pcd(const std::string& path, const PointCloud& cloud) {

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/io/block_reader.h"
-#include "cpplus/io/cloud_builder.h"
+#include "cpplus/io/cloud_source.h"
 #include "cpplus/io/point_fields.h"
 
 namespace cpplus {
@@ -23,9 +24,9 @@ struct PcdHeader {
 /// Reads and checks the header; the reader then stands at the data.
 PcdHeader read_pcd_header(BlockReader* reader);
 
-/// Reads all three encodings, any field order, types and padding. The VIEWPOINT is ignored: coordinates are taken as
+/// Opens all three encodings, any field order, types and padding. The VIEWPOINT is ignored: coordinates are taken as
 /// they are.
-PointCloud read_pcd(const std::string& path, ReadCounts* counts);
+std::unique_ptr<CloudSource> open_pcd(const std::string& path);
 
 /// Writes PCD 0.7 binary. Coordinates are float32 where the cloud's origin is zero, else float64; colour is PCL's
 /// packed "rgb", the stamp a float64 "timestamp", the number of views a uint16 "num_views",

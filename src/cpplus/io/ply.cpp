@@ -108,14 +108,11 @@ void take_binary_record(const PlyElement& element, const std::vector<PointField>
   }
 }
 
-void read_binary(const PlyHeader& header, BlockReader* reader, CloudBuilder* builder) {
+void read_binary(const PlyHeader& header, size_t count, BlockReader* reader, CloudBuilder* builder) {
   const bool big_endian = header.encoding == Encoding::kBigEndian;
-  for (const PlyElement& element : header.before_vertices) {
-    for (uint64_t i = 0; i < element.count; ++i) take_binary_record(element, {}, big_endian, 0, reader, nullptr);
-  }
   const bool has_lists = header.fields.size() < header.vertices.properties.size();
   const size_t record_size = header.fields.back().offset + scalar_size(header.fields.back().type);
-  for (size_t point = 0; point < header.vertices.count; ++point) {
+  for (size_t point = 0; point < count; ++point) {
     if (has_lists) {
       take_binary_record(header.vertices, header.fields, big_endian, point, reader, builder);
       continue;
@@ -165,16 +162,43 @@ void set_ascii_record(const PlyHeader& header, const std::vector<std::string_vie
   if (word != words.size()) fail(fmt::format("{} numbers are too many for a vertex", words.size()));
 }
 
-void read_ascii(const PlyHeader& header, BlockReader* reader, CloudBuilder* builder) {
-  std::vector<std::string_view> words;
-  for (const PlyElement& element : header.before_vertices) {
-    for (uint64_t i = 0; i < element.count; ++i) take_ascii_record(reader, element, i, &words);
+class PlySource : public CloudSource {
+ public:
+  explicit PlySource(const std::string& path) : reader_(path), header_(read_ply_header(&reader_)) {}
+
+  size_t num_points() const override { return header_.vertices.count; }
+  const std::vector<PointField>& fields() const override { return header_.fields; }
+
+  void read(size_t count, CloudBuilder* builder) override {
+    if (!at_vertices_) skip_elements();
+    at_vertices_ = true;
+    if (header_.encoding != Encoding::kAscii) return read_binary(header_, count, &reader_, builder);
+    std::vector<std::string_view> words;
+    for (size_t point = 0; point < count; ++point) {
+      take_ascii_record(&reader_, header_.vertices, next_++, &words);
+      set_ascii_record(header_, words, point, reader_, builder);
+    }
   }
-  for (size_t point = 0; point < header.vertices.count; ++point) {
-    take_ascii_record(reader, header.vertices, point, &words);
-    set_ascii_record(header, words, point, *reader, builder);
+
+ private:
+  void skip_elements() {
+    std::vector<std::string_view> words;
+    for (const PlyElement& element : header_.before_vertices) {
+      for (uint64_t i = 0; i < element.count; ++i) {
+        if (header_.encoding == Encoding::kAscii) {
+          take_ascii_record(&reader_, element, i, &words);
+        } else {
+          take_binary_record(element, {}, header_.encoding == Encoding::kBigEndian, 0, &reader_, nullptr);
+        }
+      }
+    }
   }
-}
+
+  BlockReader reader_;
+  PlyHeader header_;
+  bool at_vertices_ = false;
+  uint64_t next_ = 0;  // line of the vertices
+};
 
 }  // namespace
 
@@ -210,17 +234,7 @@ PlyHeader read_ply_header(BlockReader* reader) {
   return header;
 }
 
-PointCloud read_ply(const std::string& path, ReadCounts* counts) {
-  BlockReader reader(path);
-  const PlyHeader header = read_ply_header(&reader);
-  CloudBuilder builder(path, header.vertices.count, header.fields);
-  if (header.encoding == Encoding::kAscii) {
-    read_ascii(header, &reader, &builder);
-  } else {
-    read_binary(header, &reader, &builder);
-  }
-  return builder.finish(counts);
-}
+std::unique_ptr<CloudSource> open_ply(const std::string& path) { return std::make_unique<PlySource>(path); }
 
 void write_ply(const std::string& path, const PointCloud& cloud) {
   const bool local = cloud.origin.isZero(0.0);

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/io/block_reader.h"
-#include "cpplus/io/cloud_builder.h"
+#include "cpplus/io/cloud_source.h"
 #include "cpplus/io/point_fields.h"
 
 namespace cpplus {
@@ -35,8 +36,8 @@ struct PlyHeader {
 /// Reads and checks the header; the reader then stands at the data.
 PlyHeader read_ply_header(BlockReader* reader);
 
-/// Reads the vertices of ASCII and binary files of both byte orders; lists and other elements are skipped.
-PointCloud read_ply(const std::string& path, ReadCounts* counts);
+/// Opens the vertices of ASCII and binary files of both byte orders; lists and other elements are skipped.
+std::unique_ptr<CloudSource> open_ply(const std::string& path);
 
 /// Writes binary little-endian PLY. Coordinates are float where the cloud's origin is zero, else double; then
 /// "intensity", "red" "green" "blue", "timestamp", "num_views", "best_image" and "color_spread" where the cloud has

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cpplus/core/error.h"
+#include "cpplus/io/cloud_source.h"
 #include "cpplus/io/las.h"
 #include "cpplus/io/pcd.h"
 #include "cpplus/io/ply.h"
@@ -38,12 +39,21 @@ std::string point_cloud_extension(const std::string& path) {
   return extension == ".pcd" || extension == ".ply" || extension == ".las" ? extension : "";
 }
 
-PointCloud read_point_cloud(const std::string& path, ReadCounts* counts) {
+std::unique_ptr<CloudSource> open_point_cloud(const std::string& path) {
   const std::string extension = point_cloud_extension(path);
-  if (extension == ".pcd") return read_pcd(path, counts);
-  if (extension == ".ply") return read_ply(path, counts);
-  if (extension == ".las") return read_las(path, counts);
+  if (extension == ".pcd") return open_pcd(path);
+  if (extension == ".ply") return open_ply(path);
+  if (extension == ".las") return open_las(path);
   throw_unknown_extension(path);
+}
+
+PointCloud read_point_cloud(const std::string& path, ReadCounts* counts) {
+  const std::unique_ptr<CloudSource> source = open_point_cloud(path);
+  CloudBuilder builder(path, source->num_points(), source->fields());
+  source->read(source->num_points(), &builder);
+  PointCloud cloud = builder.finish(counts);
+  cloud.las_frame = source->las_frame();
+  return cloud;
 }
 
 void write_point_cloud(const std::string& path, const PointCloud& cloud) {

@@ -13,10 +13,12 @@
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/cloud_output.h"
 #include "cpplus/pipeline/held_out_images.h"
 #include "cpplus/pipeline/image_folder.h"
+#include "cpplus/pipeline/map_cache.h"
 #include "cpplus/report/colorize_report.h"
 #include "cpplus/report/render_cloud.h"
 #include "cpplus/visibility/depth_buffer.h"
@@ -116,13 +118,12 @@ void log_exposure(const ColorizeResult& result) {
 
 /// The photo beside the coloured cloud from the same pose: DIR/STEM.png with the folders of NAME joined by "_".
 void write_debug_images(const ColorizeCommandOptions& options, const SparseModel& model,
-                        const std::vector<size_t>& images, const PointCloud& cloud) {
+                        const std::vector<size_t>& images, const PointCloud& cloud, double point_size_m) {
   std::filesystem::create_directories(options.debug_images);
   for (const size_t index : images) {
     const PosedImage& posed = model.images[index];
     const Camera& camera = model.cameras.at(posed.camera_id);
-    const ColorImage rendering =
-        render_cloud(cloud, camera, posed.camera_from_map, kPointLeaves * options.voxel_map.leaf_size_m);
+    const ColorImage rendering = render_cloud(cloud, camera, posed.camera_from_map, point_size_m);
     const ColorImage photo = read_color_image(image_path(options.images, posed.name));
     write_png(image_path(options.debug_images, debug_image_name(posed.name)), side_by_side(photo, rendering));
   }
@@ -148,8 +149,8 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   warn_of_unmatched(options.images, model, folder);
   const HeldOutSplit split = split_images(folder.with_file, options.hold_out);
   const SparseModel held_out_model = options.hold_out_poses.empty() ? model : read_sparse_model(options.hold_out_poses);
-  PointCloud cloud = read_point_cloud(options.map);
-  const VoxelMap map(cloud, options.voxel_map);
+  auto [cloud, map] = read_cloud_and_map(cached_map(options.map, options.cache, options.voxel_map), options.voxel_map);
+  const double point_size_m = kPointLeaves * map.options().leaf_size_m;
 
   ColorizeResult result;
   std::vector<size_t> used;
@@ -166,10 +167,10 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   }
   if (options.color.exposure.gains && options.color.exposure.vignetting) log_exposure(result);
   write_point_cloud(options.out, result.cloud);
-  const std::vector<HeldOutImage> held_out = compare_held_out(options.images, model, split.held_out, held_out_model,
-                                                              result, kPointLeaves * options.voxel_map.leaf_size_m);
+  const std::vector<HeldOutImage> held_out =
+      compare_held_out(options.images, model, split.held_out, held_out_model, result, point_size_m);
   if (!options.report.empty()) write_text_file(options.report, colorize_report_json(result, held_out));
-  if (!options.debug_images.empty()) write_debug_images(options, model, used, result.cloud);
+  if (!options.debug_images.empty()) write_debug_images(options, model, used, result.cloud, point_size_m);
   return {result.cloud.size(), result.num_colored,
           used.size(),         model.images.size() - used.size() - split.held_out.size(),
           held_out.size(),     total_difference(held_out)};

@@ -10,7 +10,7 @@
 namespace cpplus {
 
 struct ColorizeCommandOptions {
-  /// Point cloud to be coloured (.pcd .ply .las). Required.
+  /// Point cloud to be coloured (.pcd .ply .las), or its voxel map (.vox). Required.
   std::string map;
   /// Folder of the images. Required.
   std::string images;
@@ -26,13 +26,15 @@ struct ColorizeCommandOptions {
   std::string hold_out_poses;
   /// JSON file for gains, vignetting and how well held-out images are foretold; "" = none.
   std::string report;
+  /// Folder where the voxel map of a point cloud is kept for later runs (docs/index.md); "" = none.
+  std::string cache;
   VoxelMapOptions voxel_map;
   ColorizeOptions color;
 
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
-    visitor("map", map, "Point cloud to be coloured (.pcd .ply .las). Required.");
+    visitor("map", map, "Point cloud to be coloured (.pcd .ply .las), or its voxel map (.vox). Required.");
     visitor("images", images, "Folder of the images. Required.");
     visitor("poses", poses, "COLMAP model folder with the images' cameras and poses. Required.");
     visitor("out", out, "Coloured cloud to be written; the extension (.pcd .ply .las) gives the format. Required.");
@@ -43,6 +45,7 @@ struct ColorizeCommandOptions {
     visitor("hold_out_poses", hold_out_poses,
             "COLMAP model folder with the poses held-out images are rendered from; empty = those of `poses`.");
     visitor("report", report, "JSON file for gains, vignetting and the held-out images; empty = none.");
+    visitor("cache", cache, "Folder where the voxel map of a point cloud is kept for later runs; empty = none.");
     visitor.group("voxel_map", voxel_map);
     visitor.group("color", color);
   }

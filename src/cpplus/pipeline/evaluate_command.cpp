@@ -11,8 +11,8 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/colmap_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/io/npz_io.h"
-#include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/checkerboard_json.h"
 #include "cpplus/pipeline/visible_map_points.h"
 
@@ -63,7 +63,7 @@ class SurfaceOfImage {
         depth_poses_.emplace(image.name, image.camera_from_map);
       }
     }
-    if (!options.map.empty()) map_.emplace(read_point_cloud(options.map), VoxelMapOptions{});
+    if (!options.map.empty()) map_ = read_map(options.map, VoxelMapOptions{}).map;
   }
 
   std::vector<Eigen::Vector3d> operator()(const PosedImage& reference, const Camera& camera) const {

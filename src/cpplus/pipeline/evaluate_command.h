@@ -36,8 +36,8 @@ struct EvaluateOptions {
 };
 
 /// Reads what the options name and compares the two models. Surface points of an image come from its range file, else
-/// from the map; with neither it has no reprojection shift. Throws Error naming the file for unreadable input, and where
-/// the models have no image in common.
+/// from the map; with neither it has no reprojection shift. Throws Error naming the file for unreadable input, and
+/// where the models have no image in common.
 ModelComparison evaluate_models(const EvaluateOptions& options);
 
 /// One JSON object: `images` (a list), `summary`, `absolute` (ATE), `relative` (RPE), `only_in_estimate`,

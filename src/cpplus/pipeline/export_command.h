@@ -18,7 +18,7 @@ struct ExportCommandOptions {
   std::string poses;
   /// Folder to be made, new or empty. Required.
   std::string out;
-  /// Point cloud of the map (.pcd .ply .las). Not for tum and kitti; undistorted goes without points if there is none.
+  /// Map (.pcd .ply .las .vox). Not for tum and kitti; undistorted goes without points if there is none.
   std::string map;
   /// Folder of the images. Not for depth, normals, tum and kitti.
   std::string images;
@@ -45,7 +45,7 @@ struct ExportCommandOptions {
             "colmap-text, colmap-bin, undistorted, 3dgs, nerfstudio, depth, normals, tum or kitti. Required.");
     visitor("poses", poses, "COLMAP model folder with the images' cameras and poses. Required.");
     visitor("out", out, "Folder to be made, new or empty. Required.");
-    visitor("map", map, "Point cloud of the map (.pcd .ply .las). Not for tum, kitti; undistorted may go without.");
+    visitor("map", map, "Map (.pcd .ply .las .vox). Not for tum, kitti; undistorted may go without.");
     visitor("images", images, "Folder of the images. Not for depth, normals, tum and kitti.");
     visitor("stamps", stamps, "File with the instant of each image, NAME SECONDS a line, for tum and kitti.");
     visitor("depth_kind", depth_kind, "Depth maps hold z (along the optical axis) or range (along the ray).");

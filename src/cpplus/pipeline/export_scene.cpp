@@ -11,6 +11,7 @@
 #include "cpplus/features/blur.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/io/nerfstudio_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/export_surfaces.h"
@@ -29,10 +30,6 @@ constexpr double kBlurredWeight = 0.1;
 
 /// What is done with the pixels of a view besides its tracks.
 using OnView = std::function<void(const ExportView& view, const ColorImage& pixels)>;
-
-VoxelMap read_map(const ExportCommandOptions& options) {
-  return VoxelMap(read_point_cloud(options.map), options.voxel_map);
-}
 
 std::vector<size_t> images_with_file(const ExportCommandOptions& options, const SparseModel& model) {
   const ImageFolder folder = find_images(options.images, model);
@@ -136,7 +133,7 @@ PointCloud cloud_of(const SparseModel& model) {
 ExportSummary export_colmap(const ExportCommandOptions& options, const SparseModel& model,
                             const Eigen::Vector3d& origin, const fs::path& folder) {
   const ExportViews views = recorded_views(model, images_with_file(options, model));
-  const VoxelMap map = read_map(options);
+  const VoxelMap map = read_map(options.map, options.voxel_map).map;
   SparseModel written = gather_model(options, model, views, &map, nullptr);
   move_origin(origin, &written);
   const auto write = options.format == "colmap-bin" ? write_sparse_model_binary : write_sparse_model_text;
@@ -150,7 +147,7 @@ ExportSummary export_undistorted(const ExportCommandOptions& options, const Spar
   undistort.centered = options.format == "3dgs";
   const ExportViews views = undistorted_views(model, images_with_file(options, model), undistort);
   std::optional<VoxelMap> map;
-  if (!options.map.empty()) map = read_map(options);
+  if (!options.map.empty()) map = read_map(options.map, options.voxel_map).map;
   const ExportImages writer(options.images, model, views);
   const OnView write_image = [&](const ExportView& view, const ColorImage& pixels) {
     writer.write(view, pixels, (folder / "images" / view.image.name).string(), options.jpeg_quality);
@@ -168,7 +165,7 @@ ExportSummary export_undistorted(const ExportCommandOptions& options, const Spar
 ExportSummary export_nerfstudio(const ExportCommandOptions& options, const SparseModel& model,
                                 const Eigen::Vector3d& origin, const fs::path& folder) {
   const ExportViews views = undistorted_views(model, images_with_file(options, model), options.undistort);
-  const VoxelMap map = read_map(options);
+  const VoxelMap map = read_map(options.map, options.voxel_map).map;
   SurfaceRenderer renderer(map, options.surface);
   const ExportImages writer(options.images, model, views);
   std::vector<NerfstudioFrame> frames;
@@ -201,7 +198,7 @@ ExportSummary export_surface_maps(const ExportCommandOptions& options, const Spa
   std::vector<size_t> all(model.images.size());
   std::iota(all.begin(), all.end(), size_t{0});
   const ExportViews views = recorded_views(model, all);
-  const VoxelMap map = read_map(options);
+  const VoxelMap map = read_map(options.map, options.voxel_map).map;
   SurfaceRenderer renderer(map, options.surface);
   Progress progress(options.format, views.views.size());
   for (const ExportView& view : views.views) {

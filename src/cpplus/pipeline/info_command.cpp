@@ -16,6 +16,7 @@
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
+#include "cpplus/io/voxel_map_file.h"
 #include "cpplus/pipeline/image_folder.h"
 
 namespace cpplus {
@@ -42,22 +43,40 @@ std::string counted(size_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
+/// Names the attributes of a PointCloud or a PointMap.
+template <typename Points>
+std::string attributes_text(const Points& points) {
+  std::string attributes;
+  if (!points.intensities.empty()) attributes += " intensity";
+  if (!points.colors.empty()) attributes += " colour";
+  if (!points.stamps_s.empty()) attributes += " time";
+  if (!points.num_views.empty()) attributes += " views";
+  if (!points.best_images.empty()) attributes += " best-image";
+  if (!points.color_spreads.empty()) attributes += " colour-spread";
+  return attributes.empty() ? " none" : attributes;
+}
+
 Lines describe_cloud(const std::string& path) {
   ReadCounts counts;
   const PointCloud cloud = read_point_cloud(path, &counts);
   Eigen::AlignedBox3d box;
   for (size_t i = 0; i < cloud.size(); ++i) box.extend(cloud.point(i));
-  std::string attributes;
-  if (!cloud.intensities.empty()) attributes += " intensity";
-  if (!cloud.colors.empty()) attributes += " colour";
-  if (!cloud.stamps_s.empty()) attributes += " time";
-  if (!cloud.num_views.empty()) attributes += " views";
-  if (!cloud.best_images.empty()) attributes += " best-image";
-  if (!cloud.color_spreads.empty()) attributes += " colour-spread";
   return {fmt::format("{}: point cloud, {}", path, counted(cloud.size(), "point")),
           fmt::format("  dropped as not finite: {}", counts.dropped_non_finite),
-          fmt::format("  extent: {}", box_text(box)),
-          fmt::format("  attributes:{}", attributes.empty() ? " none" : attributes)};
+          fmt::format("  extent: {}", box_text(box)), fmt::format("  attributes:{}", attributes_text(cloud))};
+}
+
+Lines describe_voxel_map(const std::string& path) {
+  verify_voxel_map_file(path);
+  const PointMap points = map_voxel_map_file(path);
+  const VoxelMap& map = points.map;
+  Eigen::AlignedBox3d box;
+  for (size_t i = 0; i < map.num_points(); ++i) box.extend(map.point(i));
+  return {fmt::format("{}: voxel map, {}, checksums are right", path, counted(map.num_points(), "point")),
+          fmt::format("  dropped as not finite: {}", points.num_dropped_non_finite),
+          fmt::format("  extent: {}", box_text(box)), fmt::format("  attributes:{}", attributes_text(points)),
+          fmt::format("  voxels: {} of {} m, {} of {} m", counted(map.num_nodes(0), "root"), map.options().root_size_m,
+                      counted(map.num_nodes(map.leaf_layer()), "leaf voxel"), map.options().leaf_size_m)};
 }
 
 bool is_model(const fs::path& folder) {
@@ -141,6 +160,7 @@ Lines describe_text(const std::string& path) {
 
 Lines describe_file(const std::string& path) {
   if (!point_cloud_extension(path).empty()) return describe_cloud(path);
+  if (is_voxel_map_file(path)) return describe_voxel_map(path);
   if (has_image_extension(path)) {
     const ImageSize size = read_image_size(path);
     return {fmt::format("{}: image, {}x{}", path, size.width, size.height)};
@@ -157,11 +177,12 @@ bool holds_images(const std::string& path) {
   return std::any_of(fs::directory_iterator(path), fs::directory_iterator(), is_image);
 }
 
-enum class SceneEntry { kOther, kMap, kImages, kModel, kText };
+enum class SceneEntry { kOther, kMap, kVoxelMap, kImages, kModel, kText };
 
 SceneEntry entry_kind(const fs::path& path) {
   if (!fs::is_directory(path)) {
     if (!point_cloud_extension(path.string()).empty()) return SceneEntry::kMap;
+    if (is_voxel_map_file(path.string())) return SceneEntry::kVoxelMap;
     return path.extension() == ".txt" ? SceneEntry::kText : SceneEntry::kOther;
   }
   if (is_model(path)) return SceneEntry::kModel;
@@ -174,6 +195,8 @@ Lines describe_entry(const std::string& path, SceneEntry kind) {
   switch (kind) {
     case SceneEntry::kMap:
       return describe_cloud(path);
+    case SceneEntry::kVoxelMap:
+      return describe_voxel_map(path);
     case SceneEntry::kImages:
       return describe_images(path);
     case SceneEntry::kModel:
@@ -203,7 +226,8 @@ Lines describe_scene(const std::string& path) {
   }
   if (lines.empty()) throw Error(fmt::format("{}: folder without images, point clouds or a COLMAP model", path));
   Lines missing;
-  if (found.count(SceneEntry::kMap) == 0) missing.push_back("a map (.pcd .ply .las)");
+  if (found.count(SceneEntry::kMap) + found.count(SceneEntry::kVoxelMap) == 0)
+    missing.push_back("a map (.pcd .ply .las)");
   if (found.count(SceneEntry::kImages) == 0) missing.push_back("a folder of images");
   if (found.count(SceneEntry::kModel) == 0) missing.push_back("a COLMAP model");
   lines.insert(lines.begin(), fmt::format("{}: scene", path));

@@ -32,7 +32,7 @@ void judge_by_residual(const RefinePoseOptions& options, ImageReport* report) {
   if (falls) report->camera_from_map = result.candidate_camera_from_map;
 }
 
-// Every so manieth of the points that the camera sees from a pose, in the order of the map.
+// Every so manieth of the points that the camera sees from a pose; all in the order of the map.
 std::vector<NidPoint> visible_points(const VoxelMap& map, const std::vector<float>& intensities, const Camera& camera,
                                      const Rigid3& camera_from_map, const NidOptions& options) {
   DepthBufferOptions buffer_options;
@@ -41,7 +41,7 @@ std::vector<NidPoint> visible_points(const VoxelMap& map, const std::vector<floa
   std::vector<NidPoint> seen;
   for (const uint32_t root : select_roots(map, camera, camera_from_map, options.max_distance_m, 0.0)) {
     for (uint32_t i = map.points_begin(0, root); i < map.points_end(0, root); ++i) {
-      const float intensity = intensities[map.input_index(i)];
+      const float intensity = intensities[i];
       const Eigen::Vector3d x_in_camera = camera_from_map * map.point(i);
       if (std::isnan(intensity) || x_in_camera.norm() > options.max_distance_m) continue;
       if (!buffer.is_visible(x_in_camera, options.occlusion_margin_m)) continue;

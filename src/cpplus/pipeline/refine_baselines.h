@@ -19,7 +19,7 @@ ImageReport refine_image_by_lines(const MapFeatures& features, const std::string
                                   const RefineImagesOptions& options);
 
 /// Normalised information distance in the manner of Koide et al. 2023 (refine/nid_pose.h). `intensities`: of the
-/// cloud's points, equalised, in the order of the input; empty: the image keeps its coarse pose and says so.
+/// map's points, equalised, in the order of the map; empty: the image keeps its coarse pose and says so.
 ImageReport refine_image_by_nid(const MapFeatures& features, const std::vector<float>& intensities,
                                 const std::string& name, const Camera& camera, const Rigid3& coarse_camera_from_map,
                                 const std::function<GrayImage()>& decode, const RefineImagesOptions& options);

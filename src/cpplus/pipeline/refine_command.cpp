@@ -16,12 +16,13 @@
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
-#include "cpplus/io/point_cloud_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/image_sequences.h"
 #include "cpplus/pipeline/joint_refinement.h"
+#include "cpplus/pipeline/map_cache.h"
 #include "cpplus/pipeline/refine_baselines.h"
 #include "cpplus/pipeline/sample_dashes.h"
 
@@ -227,7 +228,7 @@ class ModelRefiner {
   static constexpr double kMaxSquaredDistance = 12.6;
 
   const MapFeatures& features_;
-  const std::vector<float>& intensities_;  // equalised, in the order of the cloud; of --method nid alone
+  const std::vector<float>& intensities_;  // equalised, in the order of the map; of --method nid alone
   const SparseModel& model_;
   const RefineCommandOptions& options_;
   std::vector<ImageReport> reports_;
@@ -262,17 +263,18 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
   const Trajectory trajectory = options.trajectory.empty() ? Trajectory{} : read_tum(options.trajectory);
   MapReport map_report;
   map_report.path = options.map;
-  ReadCounts counts;
-  const PointCloud cloud = read_point_cloud(options.map, &counts);
-  const MapFeatures features = extract_map_features(cloud, options.stages);
+  const PointMap points =
+      read_map(cached_map(options.map, options.cache, options.stages.voxel_map), options.stages.voxel_map);
+  const MapFeatures features = extract_map_features(points, options.stages);
   map_report.num_points = features.map.num_points();
-  map_report.num_dropped_points = counts.dropped_non_finite;
+  map_report.num_dropped_points = points.num_dropped_non_finite;
   map_report.num_planes = features.planes.planes.size();
   map_report.num_edges = features.edges.size();
   map_report.noise_m = features.planes.noise_m;
 
   const std::vector<float> intensities =
-      options.method == "nid" ? equalise_intensities(cloud.intensities) : std::vector<float>{};
+      options.method == "nid" ? equalise_intensities({points.intensities.begin(), points.intensities.end()})
+                              : std::vector<float>{};
   ModelRefiner refiner(features, intensities, model, options, stamps, trajectory);
   const std::vector<ImageReport> reports = refiner.run();
   const RefineSummary summary = summarise(reports);

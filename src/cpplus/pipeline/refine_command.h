@@ -7,7 +7,7 @@
 namespace cpplus {
 
 struct RefineCommandOptions {
-  /// Point cloud of the map (.pcd, .ply, .las).
+  /// Point cloud of the map (.pcd .ply .las), or its voxel map (.vox).
   std::string map;
   /// Folder of the images.
   std::string images;
@@ -31,12 +31,14 @@ struct RefineCommandOptions {
   bool joint = true;
   /// Leaves images that were not refined out of the output model.
   bool only_refined = false;
+  /// Folder where the voxel map of a point cloud is kept for later runs (docs/index.md); "" = none.
+  std::string cache;
   RefineImagesOptions stages;
 
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
-    visitor("map", map, "Point cloud of the map (.pcd, .ply, .las).");
+    visitor("map", map, "Point cloud of the map (.pcd .ply .las), or its voxel map (.vox).");
     visitor("images", images, "Folder of the images.");
     visitor("poses", poses, "COLMAP model folder with cameras and coarse poses in the map.");
     visitor("out", out, "Folder for the refined model (sparse/) and report.json.");
@@ -47,6 +49,7 @@ struct RefineCommandOptions {
     visitor("method", method, "cp_plus, or for comparison lines, nid or none, which look at each image alone.");
     visitor("joint", joint, "Solve all images together after each has been refined on its own.");
     visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
+    visitor("cache", cache, "Folder where the voxel map of a point cloud is kept for later runs; empty = none.");
     stages.visit(visitor);
   }
 };

@@ -80,16 +80,15 @@ void RefineImagesOptions::validate() const {
   nid.validate();
 }
 
-MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options) {
+MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options) {
   MapFeatures features;
-  Progress progress("map", 5);
-  features.map = VoxelMap(cloud, options.voxel_map);
-  progress.advance();
+  Progress progress("map", 4);
+  features.map = points.map;
   features.planes = segment_planes(features.map, options.planes);
   progress.advance();
   features.surface = collect_plane_surface(features.map, features.planes, options.visibility);
   progress.advance();
-  features.edges = find_map_edges(features.map, cloud.intensities, features.planes, options.map_edges);
+  features.edges = find_map_edges(features.map, points.intensities, features.planes, options.map_edges);
   progress.advance();
   features.leaf_spacing = leaf_point_spacing(features.map);
   progress.advance();

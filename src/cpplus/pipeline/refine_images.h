@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cpplus/cloud/point_cloud.h"
+#include "cpplus/cloud/point_map.h"
 #include "cpplus/features/blur.h"
 #include "cpplus/features/image_edges.h"
 #include "cpplus/features/map_edges.h"
@@ -85,7 +85,7 @@ struct MapFeatures {
   std::vector<float> leaf_spacing;  // of the points, metres (visibility/point_spacing.h)
 };
 
-MapFeatures extract_map_features(const PointCloud& cloud, const RefineImagesOptions& options);
+MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options);
 
 /// The map's edges and the silhouettes of one view, and the samples that the camera should see.
 struct EdgesInView {

@@ -6,7 +6,7 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/atomic_file.h"
-#include "cpplus/io/point_cloud_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/pipeline/report_pictures.h"
 #include "cpplus/report/report_page.h"
 #include "cpplus/report/web_files.h"
@@ -50,7 +50,8 @@ void add_pictures(const RefineResult& result, const ReportCommandOptions& option
   const std::string floor_plan = folder + "/floor_plan.png";
   std::vector<size_t> drawn;
   if (!plan.missing.empty() || !fs::exists(floor_plan)) {
-    const MapFeatures features = extract_map_features(read_point_cloud(result.inputs.map), result.stages);
+    const MapFeatures features =
+        extract_map_features(read_map(result.inputs.map, result.stages.voxel_map), result.stages);
     drawn = draw_pictures(result, features, plan.missing, folder, options.picture_size_px);
     write_floor_plan(features.map, *page, floor_plan);
   }

@@ -45,6 +45,9 @@ std::vector<std::string> outputs_of(const RunStep& step) {
   return has_out ? outputs : std::vector<std::string>{};
 }
 
+/// A folder that a command fills for itself, and whose content changes no result.
+bool is_cache(const OptionField& field) { return last_part(field.path) == "cache"; }
+
 std::string describe_file(const fs::path& path) {
   std::error_code failure;
   const uintmax_t size = fs::file_size(path, failure);
@@ -74,7 +77,8 @@ std::string causes_of(const RunStep& step) {
   for (const OptionField& field : step.fields) {
     options += fmt::format("{}: {}\n", field.path, option_text(field));
     const std::string* text = text_of(field);
-    if (text && !text->empty() && !is_output(step, field) && fs::exists(*text)) inputs += "input " + describe(*text);
+    if (!text || text->empty() || is_output(step, field) || is_cache(field)) continue;
+    if (fs::exists(*text)) inputs += "input " + describe(*text);
   }
   return options + inputs;
 }

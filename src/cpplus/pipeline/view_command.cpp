@@ -12,7 +12,7 @@
 #include "cpplus/core/progress.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/image_io.h"
-#include "cpplus/io/point_cloud_io.h"
+#include "cpplus/io/map_io.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/refine_result.h"
 #include "cpplus/pipeline/view_server.h"
@@ -73,7 +73,7 @@ TileSetFacts ensure_tiles(const std::string& cloud_path, const std::string& fold
     if (numbers >> x.x() >> x.y() >> x.z() >> facts.num_points) return facts;
   }
   if (!found.empty()) fs::remove_all(folder + "/tiles");  // the marker says that they are ours
-  const PointCloud cloud = read_point_cloud(cloud_path);
+  const PointCloud cloud = read_map_cloud(cloud_path);
   facts = {tile_set_origin(cloud), cloud.size()};
   write_tile_set(cloud, facts.origin_in_map, folder);
   write_text_file(marker, made_of + facts_text(facts));

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cpplus/cloud/point_cloud.h"
+#include "cpplus/io/point_attributes.h"
+#include "cpplus/io/scratch_file.h"
+
+namespace cpplus {
+
+/// Points of one bucket in the order in which they came.
+struct PointBucket {
+  PointCloud cloud;               // its origin is not kept
+  std::vector<uint32_t> indices;  // what they were added with
+};
+
+/// Points sorted into buckets of known sizes, on the disk but for some points a bucket.
+class PointBuckets {
+ public:
+  /// `sizes`: points of each bucket. All buckets together hold at most about buffer_bytes in memory. `target`: file
+  /// that this is for, see ScratchFile.
+  PointBuckets(const std::string& target, std::vector<uint64_t> sizes, const PointAttributes& attributes,
+               size_t buffer_bytes);
+
+  /// Adds point i of the block. False where the bucket is full already.
+  bool add(size_t bucket, const PointCloud& block, size_t i, uint32_t index);
+  /// To be called after the last point. False where a bucket is not full.
+  bool finish();
+  PointBucket read(size_t bucket) const;
+
+ private:
+  struct Bucket {
+    uint64_t size = 0;
+    uint64_t begin = 0;    // of its place in the file, bytes; one array after the other
+    uint64_t written = 0;  // points
+    PointBucket buffer;
+  };
+
+  void flush(Bucket* bucket);
+
+  PointAttributes attributes_;
+  size_t buffer_points_ = 0;
+  ScratchFile file_;
+  std::vector<Bucket> buckets_;
+};
+
+/// Bytes of a point with these attributes and its index.
+size_t point_bytes(const PointAttributes& attributes);
+
+}  // namespace cpplus
