@@ -219,9 +219,8 @@ def chart_bars(world):
 def write_charts(results, out):
     for device, title in DEVICE_TITLES.items():
         groups = {w["site"]: chart_bars(w) for w in results["worlds"] if w["device"] == device}
-        tops = [bar.high for bars in groups.values() for bar in bars]
-        if tops:
-            chart = bar_chart.svg(title, "checkerboard residual, px (median, quartiles)", groups, COLORS, max(tops))
+        if any(groups.values()):
+            chart = bar_chart.svg(title, "checkerboard residual, px (median, quartiles)", groups, COLORS)
             (out / f"paper_{device}.svg").write_text(chart)
 
 
@@ -255,8 +254,8 @@ def main():
     program = quality.Program(binary.resolve(), 1)
     worlds_folder = settings.out / "worlds"
     worlds_folder.mkdir(parents=True, exist_ok=True)
-    worlds = [(site, device) for device in DEVICES if not settings.device or device in settings.device
-              for site in SITES if not settings.site or site.scene in settings.site]
+    worlds = [(site, device) for site in SITES if not settings.site or site.scene in settings.site
+              for device in DEVICES if not settings.device or device in settings.device]
     results = {"date": datetime.date.today().isoformat(), "machine": quality.machine(), "version": program.version(),
                "worlds": []}
     with concurrent.futures.ThreadPoolExecutor(settings.jobs) as pool:

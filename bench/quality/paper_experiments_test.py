@@ -151,13 +151,13 @@ class FiguresTest(unittest.TestCase):
 class BarChartTest(unittest.TestCase):
     COLORS = {"before": "#aaaaaa", "after": "#000000"}
 
-    def rectangles(self, groups, top_value):
-        tree = xml.etree.ElementTree.fromstring(bar_chart.svg("t", "px", groups, self.COLORS, top_value))
+    def rectangles(self, groups):
+        tree = xml.etree.ElementTree.fromstring(bar_chart.svg("t", "px", groups, self.COLORS))
         return [r for r in tree.iter("{http://www.w3.org/2000/svg}rect") if r.get("width") == str(bar_chart.BAR_PX - 2)]
 
     def test_bars_are_as_high_as_their_values(self):
-        groups = {"hall": [bar_chart.Bar("before", 8.0, 6.0, 9.0), bar_chart.Bar("after", 2.0, 1.0, 3.0)]}
-        before, after = self.rectangles(groups, 10.0)
+        groups = {"hall": [bar_chart.Bar("before", 8.0, 6.0, 10.0), bar_chart.Bar("after", 2.0, 1.0, 3.0)]}
+        before, after = self.rectangles(groups)
         self.assertAlmostEqual(float(before.get("height")), 0.8 * bar_chart.PLOT_HEIGHT_PX, places=1)
         self.assertAlmostEqual(float(after.get("height")), 0.2 * bar_chart.PLOT_HEIGHT_PX, places=1)
         self.assertEqual(before.get("fill"), "#aaaaaa")
