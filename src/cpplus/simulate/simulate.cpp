@@ -9,6 +9,7 @@
 #include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/simulate/boards_along_way.h"
 #include "cpplus/simulate/hash.h"
 #include "cpplus/simulate/map_fit.h"
 
@@ -271,6 +272,7 @@ void SimulateOptions::validate() const {
   check_option(height >= 16 && height <= 16384, "height", "[16, 16384]", height);
   check_option(images >= 1 && images <= 100000, "images", "[1, 100000]", images);
   check_option(blurred >= 0 && blurred <= images, "blurred", "[0, images]", blurred);
+  check_option(boards >= 0 && boards <= 26, "boards", "[0, 26]", boards);
   check_option(scans >= 1 && scans <= 100000, "scans", "[1, 100000]", scans);
   check_option(scan_pose_sigma_m >= 0.0 && scan_pose_sigma_m <= 1.0, "scan_pose_sigma_m", "[0, 1]", scan_pose_sigma_m);
   check_option(scan_pose_sigma_deg >= 0.0 && scan_pose_sigma_deg <= 10.0, "scan_pose_sigma_deg", "[0, 10]",
@@ -286,6 +288,7 @@ SimulatedWorld simulate_world(const SimulateOptions& options) {
   SimulatedWorld world;
   world.scene = build_scene(options.scene, seed);
   if (!options.moving) world.scene.bodies.clear();
+  add_boards_along_way(options.boards, seed, &world.scene);
   world.camera = make_camera(options);
   world.lidar_from_camera = make_extrinsic(seed);
   if (options.standing) world.scene.way = standing_way(Tracer(world.scene), seed);

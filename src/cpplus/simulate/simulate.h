@@ -37,6 +37,8 @@ struct SimulateOptions {
   int scans = 36;
   /// The LiDAR stands where its way shows most; the images are taken within reach of it.
   bool standing = false;
+  /// Checkerboards on tripods beside the way, besides those of the scene; fewer where they would add nothing. [0, 26]
+  int boards = 0;
   /// People and cars move (where the scene has them).
   bool moving = true;
   /// Error of the scan poses that the map is made with: smooth, standard deviation per axis.
@@ -59,6 +61,7 @@ struct SimulateOptions {
     visitor("blurred", blurred, "How many images a jolt has blurred. [0, images]");
     visitor("scans", scans, "Number of scans. [1, 100000]");
     visitor("standing", standing, "The LiDAR stands still; the images are taken within arm's reach of it.");
+    visitor("boards", boards, "Checkerboards beside the way, besides those of the scene. [0, 26]");
     visitor("moving", moving, "People and cars move, where the scene has them.");
     visitor("scan_pose_sigma_m", scan_pose_sigma_m, "Error of the scan poses, metres per axis. [0, 1]");
     visitor("scan_pose_sigma_deg", scan_pose_sigma_deg, "Error of the scan poses, degrees per axis. [0, 10]");
