@@ -10,6 +10,7 @@
 #include "cpplus/dynamics/leaf_surfaces.h"
 #include "cpplus/dynamics/leaf_vote.h"
 #include "cpplus/dynamics/see_through.h"
+#include "cpplus/dynamics/standing_points.h"
 
 namespace cpplus {
 namespace {
@@ -31,6 +32,7 @@ void DynamicsOptions::validate() const {
   check_option(fill_share > 0.0 && fill_share <= 1.0, "fill_share", "(0, 1]", fill_share);
   check_option(keep_share >= 0.0 && keep_share <= 1.0, "keep_share", "[0, 1]", keep_share);
   check_option(sure_scans >= 1, "sure_scans", "[1, inf)", sure_scans);
+  check_option(min_height_m > 0.0, "min_height_m", "(0, inf)", min_height_m);
 }
 
 DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const DynamicsOptions& options) {
@@ -52,7 +54,8 @@ DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const Dy
       num_dynamic_points[begin / kLeavesPerTask] += last - first;
     }
   });
-  result.num_dynamic = std::accumulate(num_dynamic_points.begin(), num_dynamic_points.end(), size_t{0});
+  result.num_dynamic = std::accumulate(num_dynamic_points.begin(), num_dynamic_points.end(), size_t{0}) +
+                       label_standing_points(map, scans, leaf_labels, options.min_height_m, &result.labels);
   result.num_dynamic_leaves = static_cast<size_t>(std::count(leaf_labels.begin(), leaf_labels.end(), 1));
   return result;
 }

@@ -30,7 +30,7 @@ struct DynamicsOptions {
   double min_share = 0.25;
   /// And at least this share of the scans that hit something off planes around it: what stands there, but has gaps, is
   /// seen through by few of them. [0, inf)
-  double region_share = 0.25;
+  double region_share = 0.3;
   /// A leaf that no scan sees through becomes dynamic where this share of the leaves around it is. (0, 1]
   double fill_share = 0.5;
   /// A dynamic leaf that fewer than sure_scans see through becomes static where less than this share around it is
@@ -38,6 +38,8 @@ struct DynamicsOptions {
   double keep_share = 0.25;
   /// [1, inf)
   int sure_scans = 2;
+  /// Points that stand out so far of the ground beside something dynamic belong to it, metres. (0, inf)
+  double min_height_m = 0.05;
 
   void validate() const;
   template <typename Visitor>
@@ -64,6 +66,8 @@ struct DynamicsOptions {
         "keep_share", keep_share,
         "A dynamic leaf that few scans see through becomes static where less than this share around it is dynamic.");
     visitor("sure_scans", sure_scans, "So many scans that see through a dynamic leaf are not few. [1, inf)");
+    visitor("min_height_m", min_height_m,
+            "Points that stand out so far of the ground beside something dynamic belong to it, metres.");
   }
 };
 

@@ -15,23 +15,17 @@ using Eigen::Vector3f;
 
 constexpr size_t kNodesPerTask = 2048;
 
-struct Patch {
-  Vector3f mean;  // relative to the map's origin
-  Vector3f normal;
-};
-
-/// The plane through the points of a node, where they are one: more than a line, and thin.
-std::optional<Patch> fit_patch(const VoxelMap& map, int layer, uint32_t node) {
+/// The plane of points with these statistics, where they are one: more than a line, and thin.
+std::optional<SurfacePatch> patch_of(size_t count, const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
   constexpr size_t kMinPoints = 8;
   constexpr double kMinWidth = 0.04;      // standard deviation across the points of a line, metres
   constexpr double kMaxThickness = 0.15;  // variances across to along; 2 cm noise on a 25 cm voxel has 0.08
-  const VoxelStatistics statistics = map.statistics(layer, node);
-  if (statistics.count < kMinPoints) return std::nullopt;
+  if (count < kMinPoints) return std::nullopt;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(statistics.covariance);
+  solver.computeDirect(covariance);
   const Eigen::Vector3d& variances = solver.eigenvalues();
   if (variances[1] < kMinWidth * kMinWidth || variances[0] > kMaxThickness * variances[1]) return std::nullopt;
-  return Patch{(statistics.mean - map.origin()).cast<float>(), solver.eigenvectors().col(0).cast<float>()};
+  return SurfacePatch{mean.cast<float>(), solver.eigenvectors().col(0).cast<float>()};
 }
 
 /// Number of scans and mean of the points of one leaf.
@@ -48,7 +42,8 @@ void set_normals(const VoxelMap& map, int layer, LeafSurfaces* surfaces) {
   constexpr float kMaxDistance = 0.05f;  // of a leaf's mean from the plane, metres
   parallel_for_chunks(map.num_nodes(layer), kNodesPerTask, [&](size_t begin, size_t end) {
     for (auto node = static_cast<uint32_t>(begin); node < end; ++node) {
-      const std::optional<Patch> patch = fit_patch(map, layer, node);
+      const VoxelStatistics points = map.statistics(layer, node);
+      const auto patch = patch_of(points.count, points.mean - map.origin(), points.covariance);
       if (!patch) continue;
       const LeafRange leaves = leaves_of(map, layer, node);
       for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
@@ -60,6 +55,20 @@ void set_normals(const VoxelMap& map, int layer, LeafSurfaces* surfaces) {
 }
 
 }  // namespace
+
+std::optional<SurfacePatch> fit_patch(const std::vector<Vector3f>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  for (const Vector3f& point : points) {
+    const Eigen::Vector3d x = (point - points.front()).cast<double>();
+    sum += x;
+    products += x * x.transpose();
+  }
+  if (points.empty()) return std::nullopt;
+  const auto count = static_cast<double>(points.size());
+  const Eigen::Vector3d mean = sum / count;
+  return patch_of(points.size(), points.front().cast<double>() + mean, products / count - mean * mean.transpose());
+}
 
 LeafRange leaves_of(const VoxelMap& map, int layer, uint32_t node) {
   LeafRange range{node, node + 1};

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cpplus/cloud/scan_set.h"
@@ -19,6 +20,13 @@ struct LeafSurfaces {
 /// `map` is the voxel map of scans.points. A leaf takes the normal of the smallest voxel of the two layers 2 and 3
 /// above it whose points are a plane and that its own mean lies on.
 LeafSurfaces measure_leaf_surfaces(const VoxelMap& map, const ScanSet& scans);
+
+struct SurfacePatch {
+  Eigen::Vector3f mean;    // in the frame of the points
+  Eigen::Vector3f normal;  // unit
+};
+/// The plane through some points, where they are one: more than a line, and thin.
+std::optional<SurfacePatch> fit_patch(const std::vector<Eigen::Vector3f>& points);
 
 /// [begin, end) of the leaves in a node.
 struct LeafRange {
