@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "cpplus/geometry/tangent_box.h"
+
 namespace cpplus {
 namespace {
 
@@ -68,50 +70,6 @@ void erode_rows(const Image<Surfel>& surfels, const RangeImage& in, float cell_p
   }
 }
 
-// Bounds of X / Z and Y / Z of what the image may see; none for cameras that see far off their axis.
-struct TangentBox {
-  Eigen::Array2f low = Eigen::Array2f::Zero();
-  Eigen::Array2f high = Eigen::Array2f::Zero();
-  bool limited = false;
-
-  bool excludes(const Eigen::Vector3f& x) const {
-    return limited && (x.x() < low.x() * x.z() || x.x() > high.x() * x.z() || x.y() < low.y() * x.z() ||
-                       x.y() > high.y() * x.z() || x.z() < 0.0f);
-  }
-
-  // Whether all points within radius_m of this one are outside.
-  bool excludes(const Eigen::Vector3f& x, float radius_m) const {
-    if (!limited) return false;
-    const Eigen::Array2f below = low * x.z() - x.head<2>().array() - radius_m * (1.0f + low.abs());
-    const Eigen::Array2f above = x.head<2>().array() - high * x.z() - radius_m * (1.0f + high.abs());
-    return x.z() < -radius_m || (below > 0.0f).any() || (above > 0.0f).any();
-  }
-};
-
-TangentBox tangents_of_border(const Camera& camera) {
-  constexpr int kSteps = 32;
-  constexpr float kMargin = 0.01f;  // for what bulges between the steps
-  constexpr double kMinCos = 0.2;
-  TangentBox box;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double x = static_cast<double>(camera.width()) * i / kSteps - 0.5;
-    const double y = static_cast<double>(camera.height()) * i / kSteps - 0.5;
-    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, -0.5), Eigen::Vector2d(x, camera.height() - 0.5),
-                                         Eigen::Vector2d(-0.5, y), Eigen::Vector2d(camera.width() - 0.5, y)}) {
-      const auto bearing = camera.unproject(pixel);
-      if (!bearing || bearing->z() < kMinCos) return {};
-      const Eigen::Array2f tangents = (bearing->head<2>() / bearing->z()).cast<float>().array();
-      box.low = box.limited ? box.low.min(tangents) : tangents;
-      box.high = box.limited ? box.high.max(tangents) : tangents;
-      box.limited = true;
-    }
-  }
-  const Eigen::Array2f margin = kMargin * (box.high - box.low);
-  box.low -= margin;
-  box.high += margin;
-  return box;
-}
-
 // The points of some leaves in the camera's frame, waiting for their projection.
 class PointProjector {
  public:
@@ -123,7 +81,7 @@ class PointProjector {
         rotation_(camera_from_map.rotation.toRotationMatrix().cast<float>()),
         // float32 holds 40 m to micrometres: the large offsets cancel in double first.
         center_from_origin_((camera_center(camera_from_map) - map.origin()).cast<float>()),
-        box_(tangents_of_border(camera)),
+        box_(tangent_box(camera)),
         min_cos_(static_cast<float>(std::cos(camera.max_view_angle()))),
         max_range_(static_cast<float>(max_distance_m)),
         leaf_diagonal_(static_cast<float>(std::sqrt(3.0) * map.options().leaf_size_m)),
