@@ -15,4 +15,7 @@ using BadInputCase = std::function<std::vector<std::string>(const TinyScene&)>;
 /// By the first column of docs/bad_input.md.
 std::map<std::string, BadInputCase> bad_input_cases();
 
+/// Those of them that spoil a result of `refine`.
+std::map<std::string, BadInputCase> bad_result_cases();
+
 }  // namespace cpplus
