@@ -575,9 +575,10 @@ Cases usage_cases() {
 
 Cases bad_input_cases() {
   Cases all;
-  for (Cases some : {map_cases(), bad_voxel_map_cases(), image_cases(), model_cases(), text_cases(), import_cases(),
-                     run_cases(), poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), adjust_cases(),
-                     export_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
+  for (Cases some :
+       {map_cases(), bad_voxel_map_cases(), image_cases(), model_cases(), text_cases(), import_cases(), run_cases(),
+        poses_rig_cases(), poses_stamp_cases(), refine_cases(), clean_cases(), adjust_cases(), export_cases(),
+        bad_result_cases(), evaluate_cases(), simulate_cases(), output_cases(), usage_cases()}) {
     all.merge(some);
   }
   return all;

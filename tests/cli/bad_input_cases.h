@@ -18,4 +18,7 @@ std::map<std::string, BadInputCase> bad_input_cases();
 /// Those of voxel map files.
 std::map<std::string, BadInputCase> bad_voxel_map_cases();
 
+/// Those of them that spoil a result of `refine`.
+std::map<std::string, BadInputCase> bad_result_cases();
+
 }  // namespace cpplus

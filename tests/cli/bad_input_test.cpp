@@ -130,5 +130,18 @@ TEST(TinyScene, IsGoodBeforeItIsSpoilt) {
   }
 }
 
+TEST(TinyScene, HasAGoodResultBeforeItIsSpoilt) {
+  const TinyScene scene(make_test_directory());
+  const std::string result = scene.path("result");
+  for (const auto& arguments : {with_flag(scene.refine(), "--out", result),
+                                {"report", result},
+                                with_flag(scene.colorize(), "--out", scene.path("result/coloured.ply")),
+                                {"view", result, "--export", scene.path("view")}}) {
+    const ProcessResult run = run_cpplus(arguments);
+    EXPECT_EQ(run.exit_code, 0) << arguments[0];
+    EXPECT_EQ(run.err, "") << arguments[0];
+  }
+}
+
 }  // namespace
 }  // namespace cpplus

@@ -7,8 +7,13 @@
 namespace cpplus {
 
 Eigen::Vector2i DepthBuffer::cell_of(const Eigen::Vector2d& pixel) const {
-  const Eigen::Array2d cell = ((pixel.array() + 0.5) / cell_px).floor() + margin_cells;
-  return cell.max(-1.0).min(Eigen::Array2d(range.width, range.height)).cast<int>();  // clamped: int must not overflow
+  // Clamped, so that int does not overflow, to -1 at least: cutting off the fraction of what is not negative is to
+  // floor.
+  const auto floor_within = [](double cell, int size) {
+    return static_cast<int>(std::clamp(cell + 1.0, 0.0, size + 1.0)) - 1;
+  };
+  return {floor_within((pixel.x() + 0.5) / cell_px + margin_cells, range.width),
+          floor_within((pixel.y() + 0.5) / cell_px + margin_cells, range.height)};
 }
 
 Eigen::Vector2d DepthBuffer::center_of(const Eigen::Vector2i& cell) const {

@@ -5,10 +5,6 @@
 
 namespace cpplus {
 
-uint8_t share_in_8_bits(double share, int smallest) {
-  return static_cast<uint8_t>(std::clamp(static_cast<int>(255.0 * share + 0.5), smallest, 255));
-}
-
 ColorSamples::ColorSamples(size_t num_points, int max_samples)
     : max_samples_(max_samples),
       samples_(num_points * static_cast<size_t>(max_samples)),

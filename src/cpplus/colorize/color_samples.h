@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,7 +19,9 @@ struct ColorSample {
 };
 
 /// A share in [0, 1] as a sample keeps it: smallest..255.
-uint8_t share_in_8_bits(double share, int smallest);
+inline uint8_t share_in_8_bits(double share, int smallest) {
+  return static_cast<uint8_t>(std::clamp(static_cast<int>(255.0 * share + 0.5), smallest, 255));
+}
 
 /// The best few colour samples of each point. Memory is fixed from the start, 8 * max_samples + 3 bytes a point,
 /// however many images there are.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "cpplus/colorize/cell_bearings.h"
 #include "cpplus/colorize/color_samples.h"
 #include "cpplus/colorize/exposure_correction.h"
 #include "cpplus/colorize/robust_color.h"
@@ -14,6 +15,7 @@
 #include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/geometry/tangent_box.h"
 
 namespace cpplus {
 namespace {
@@ -24,17 +26,21 @@ constexpr double kBrightestGray = 160.0;
 
 /// Offers a view to the points of one root. Samples are kept by map order, so that roots touch disjoint runs.
 void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
-                      const ViewSampler& sampler, uint16_t image, ColorSamples* samples) {
+                      const TangentBox& box, const ViewSampler& sampler, uint16_t image, ColorSamples* samples) {
   const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
   uint32_t begin = root, end = root + 1;
   for (int layer = 0; layer < normals.layer; ++layer) {
     begin = map.children_begin(layer, begin);
     end = map.children_begin(layer, end);
   }
+  const auto node_diagonal_m = static_cast<float>(std::sqrt(3.0) * map.voxel_size(normals.layer));
   for (uint32_t node = begin; node < end; ++node) {
     const Eigen::Vector3d normal_in_camera = rotation * normals.of_node[node].cast<double>();
+    const size_t points_begin = map.points_begin(normals.layer, node);
     const size_t points_end = map.points_end(normals.layer, node);
-    for (size_t i = map.points_begin(normals.layer, node); i < points_end; ++i) {
+    const Eigen::Vector3d first_in_camera = rotation * map.point(points_begin) + camera_from_map.translation;
+    if (box.excludes(first_in_camera.cast<float>(), node_diagonal_m)) continue;
+    for (size_t i = points_begin; i < points_end; ++i) {
       const Eigen::Vector3d x_in_camera = rotation * map.point(i) + camera_from_map.translation;
       if (const auto sample = sampler.sample(x_in_camera, normal_in_camera)) {
         samples->add(i, {sample->color, share_in_8_bits(sample->weight, 1), image, share_in_8_bits(sample->radius, 0)});
@@ -69,18 +75,20 @@ ColorSamples collect_samples(const VoxelMap& map, const NextColorView& next_view
                              std::vector<ColorizedImage>* images) {
   const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
   ColorSamples samples(map.num_points(), options.max_samples);
+  CellBearings bearings;
   while (const std::optional<ColorView> view = next_view()) {
     if (images->size() > std::numeric_limits<uint16_t>::max()) {
       throw Error(fmt::format("image {}: colours can come from 65536 images at most", view->name));
     }
     const auto index = static_cast<uint16_t>(images->size());
-    const ViewSampler sampler(*view, options.sampling);
+    const ViewSampler sampler(*view, bearings.of(view->depth), options.sampling);
+    const TangentBox box = tangent_box(view->camera);
     const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     const std::vector<uint32_t> roots =
         map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
                              options.sampling.max_distance_m);
     parallel_for_each(roots.size(), [&](size_t k) {
-      add_view_to_root(map, normals, roots[k], view->camera_from_map, sampler, index, &samples);
+      add_view_to_root(map, normals, roots[k], view->camera_from_map, box, sampler, index, &samples);
     });
     images->push_back({view->name, view->image_id, view->camera_id, {}});
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <unordered_set>
 
 namespace cpplus {
@@ -44,6 +45,7 @@ class ExposureSolver {
     const size_t size = camera_of_image.size() + kNumCoefficients * use_camera.size();
     solution_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(size));
     residuals_.resize(observations.observations.size());
+    find_unknowns();
     make_pattern();
     factor_.analyzePattern(normal_matrix_);
   }
@@ -85,16 +87,22 @@ class ExposureSolver {
     return row;
   }
 
-  /// The unknowns of a point, ascending.
-  std::vector<uint32_t> unknowns_of_point(size_t point) const {
-    std::vector<uint32_t> unknowns;
-    for (size_t i = observations_.point_begin[point]; i < observations_.point_begin[point + 1]; ++i) {
-      const Row r = row(observations_.observations[i]);
-      unknowns.insert(unknowns.end(), r.unknowns.begin(), r.unknowns.begin() + static_cast<std::ptrdiff_t>(r.size));
+  /// The unknowns of each point, ascending.
+  void find_unknowns() {
+    for (size_t point = 0; point < observations_.num_points(); ++point) {
+      const auto begin = static_cast<std::ptrdiff_t>(unknowns_.size());
+      for (size_t i = observations_.point_begin[point]; i < observations_.point_begin[point + 1]; ++i) {
+        const Row r = row(observations_.observations[i]);
+        unknowns_.insert(unknowns_.end(), r.unknowns.begin(), r.unknowns.begin() + static_cast<std::ptrdiff_t>(r.size));
+      }
+      std::sort(unknowns_.begin() + begin, unknowns_.end());
+      unknowns_.erase(std::unique(unknowns_.begin() + begin, unknowns_.end()), unknowns_.end());
+      unknowns_begin_.push_back(unknowns_.size());
     }
-    std::sort(unknowns.begin(), unknowns.end());
-    unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
-    return unknowns;
+  }
+
+  std::span<const uint32_t> unknowns_of_point(size_t point) const {
+    return {unknowns_.data() + unknowns_begin_[point], unknowns_begin_[point + 1] - unknowns_begin_[point]};
   }
 
   /// Entries on and below the diagonal that any point touches.
@@ -102,7 +110,7 @@ class ExposureSolver {
     std::unordered_set<uint64_t> entries;
     for (uint64_t i = 0; i < static_cast<uint64_t>(solution_.size()); ++i) entries.insert(i << 32 | i);
     for (size_t point = 0; point < observations_.num_points(); ++point) {
-      const std::vector<uint32_t> unknowns = unknowns_of_point(point);
+      const std::span<const uint32_t> unknowns = unknowns_of_point(point);
       for (size_t a = 0; a < unknowns.size(); ++a) {
         for (size_t b = 0; b <= a; ++b) entries.insert(uint64_t{unknowns[b]} << 32 | unknowns[a]);
       }
@@ -139,14 +147,14 @@ class ExposureSolver {
     for (size_t point = 0; point < observations_.num_points(); ++point) {
       double sum = 0.0, total = 0.0;
       const size_t begin = observations_.point_begin[point], end = observations_.point_begin[point + 1];
-      std::vector<double> values(end - begin);
       for (size_t i = begin; i < end; ++i) {
         const ExposureObservation& observation = observations_.observations[i];
-        values[i - begin] = static_cast<double>(observation.log_light) - predicted(observation);
-        sum += weight(i) * values[i - begin];
-        total += weight(i);
+        const double w = weight(i);  // by the last residual
+        residuals_[i] = static_cast<double>(observation.log_light) - predicted(observation);
+        sum += w * residuals_[i];
+        total += w;
       }
-      for (size_t i = begin; i < end; ++i) residuals_[i] = total > 0.0 ? values[i - begin] - sum / total : 0.0;
+      for (size_t i = begin; i < end; ++i) residuals_[i] = total > 0.0 ? residuals_[i] - sum / total : 0.0;
     }
     scale_ = noise();
   }
@@ -177,42 +185,68 @@ class ExposureSolver {
   }
 
   void add_point(size_t point) {
-    const std::vector<uint32_t> unknowns = unknowns_of_point(point);
-    const auto size = static_cast<Eigen::Index>(unknowns.size());
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
-    Eigen::VectorXd weighted_sum = Eigen::VectorXd::Zero(size), right = Eigen::VectorXd::Zero(size);
-    double sum = 0.0, total = 0.0;
+    const std::span<const uint32_t> unknowns = unknowns_of_point(point);
+    const size_t size = unknowns.size();
+    point_.reset(size);
     for (size_t i = observations_.point_begin[point]; i < observations_.point_begin[point + 1]; ++i) {
+      const Row r = row(observations_.observations[i]);
+      std::array<size_t, 1 + kNumCoefficients> places;  // ascending, as the unknowns of a row are
+      for (size_t k = 0; k < r.size; ++k) {
+        const auto found = std::lower_bound(unknowns.begin(), unknowns.end(), r.unknowns[k]);
+        places[k] = static_cast<size_t>(found - unknowns.begin());
+      }
       const double w = weight(i) / (scale_ * scale_);
       const double value = static_cast<double>(observations_.observations[i].log_light);
-      const Row r = row(observations_.observations[i]);
-      Eigen::VectorXd h = Eigen::VectorXd::Zero(size);
       for (size_t k = 0; k < r.size; ++k) {
-        h[std::lower_bound(unknowns.begin(), unknowns.end(), r.unknowns[k]) - unknowns.begin()] = r.values[k];
+        for (size_t l = 0; l <= k; ++l) point_.at(places[k], places[l]) += w * r.values[k] * r.values[l];
+        point_.weighted_sum[places[k]] += w * r.values[k];
+        point_.right[places[k]] += w * value * r.values[k];
       }
-      matrix += w * h * h.transpose();
-      weighted_sum += w * h;
-      right += w * value * h;
-      sum += w * value;
-      total += w;
+      point_.sum += w * value;
+      point_.total += w;
     }
-    if (!(total > 0.0)) return;
-    matrix -= weighted_sum * weighted_sum.transpose() / total;
-    right -= weighted_sum * (sum / total);
-    for (Eigen::Index a = 0; a < size; ++a) {
-      const uint32_t row_index = unknowns[static_cast<size_t>(a)];
-      right_side_[row_index] += right[a];
-      for (Eigen::Index b = 0; b <= a; ++b) {
-        normal_matrix_.coeffRef(row_index, unknowns[static_cast<size_t>(b)]) += matrix(a, b);
+    if (point_.total > 0.0) add_to_normal_equations(unknowns);
+  }
+
+  /// Eliminates the brightness of the point.
+  void add_to_normal_equations(std::span<const uint32_t> unknowns) {
+    for (size_t b = 0; b < unknowns.size(); ++b) {
+      right_side_[unknowns[b]] += point_.right[b] - point_.weighted_sum[b] * (point_.sum / point_.total);
+      const int* row = normal_matrix_.innerIndexPtr() + normal_matrix_.outerIndexPtr()[unknowns[b]];
+      const int* end = normal_matrix_.innerIndexPtr() + normal_matrix_.outerIndexPtr()[unknowns[b] + 1];
+      for (size_t a = b; a < unknowns.size(); ++a) {
+        row = std::lower_bound(row, end, static_cast<int>(unknowns[a]));
+        normal_matrix_.valuePtr()[row - normal_matrix_.innerIndexPtr()] +=
+            point_.at(a, b) - point_.weighted_sum[a] * point_.weighted_sum[b] / point_.total;
       }
     }
   }
+
+  /// The sums of one point over its observations, by places among its unknowns.
+  struct PointSums {
+    std::vector<double> matrix;               // sum w h h', on and below the diagonal, by rows
+    std::vector<double> weighted_sum, right;  // sum w h, sum w h value
+    double sum = 0.0, total = 0.0;            // sum w value, sum w
+    size_t size = 0;
+
+    void reset(size_t num_unknowns) {
+      size = num_unknowns;
+      matrix.assign(size * size, 0.0);
+      weighted_sum.assign(size, 0.0);
+      right.assign(size, 0.0);
+      sum = total = 0.0;
+    }
+    double& at(size_t row, size_t column) { return matrix[row * size + column]; }
+  };
 
   const ExposureObservations& observations_;
   const std::vector<uint32_t>& camera_of_image_;
   const std::vector<bool>& use_image_;
   const std::vector<bool>& use_camera_;
-  SparseMatrix normal_matrix_;  // on and below the diagonal
+  std::vector<uint32_t> unknowns_;
+  std::vector<size_t> unknowns_begin_ = {0};  // of points and one more
+  PointSums point_;                           // kept for its memory
+  SparseMatrix normal_matrix_;                // on and below the diagonal
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factor_;
   Eigen::VectorXd right_side_, solution_;
   std::vector<double> residuals_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace cpplus {
 namespace {
@@ -29,18 +30,17 @@ Color mean_around(std::span<const WeightedColor> samples, const Color& center, f
 
 /// The sample with most votes, its own included.
 size_t most_supported(std::span<const WeightedColor> samples, float max_deviation) {
-  size_t winner = 0;
-  float most_votes = -1.0f;
+  std::vector<float> own_votes(samples.size()), votes(samples.size(), 0.0f);
   for (size_t i = 0; i < samples.size(); ++i) {
-    float votes = 0.0f;
-    for (const WeightedColor& other : samples) {
-      if (agree(samples[i].color, other.color, max_deviation)) votes += std::sqrt(other.weight);
+    own_votes[i] = std::sqrt(samples[i].weight);
+    for (size_t j = 0; j < i; ++j) {
+      if (!agree(samples[i].color, samples[j].color, max_deviation)) continue;
+      votes[i] += own_votes[j];
+      votes[j] += own_votes[i];
     }
-    if (votes <= most_votes) continue;
-    most_votes = votes;
-    winner = i;
+    votes[i] += own_votes[i];
   }
-  return winner;
+  return static_cast<size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
 }
 
 }  // namespace

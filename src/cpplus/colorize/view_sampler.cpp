@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -38,38 +39,36 @@ Rgb bilinear(const ColorImage& image, const Eigen::Vector2d& pixel) {
   const int y1 = std::min(y0 + 1, image.height - 1);
   const double right = x - x0;
   const double down = y - y0;
-  Rgb color;
   const Rgb &top_left = image.at(x0, y0), &top_right = image.at(x1, y0);
   const Rgb &bottom_left = image.at(x0, y1), &bottom_right = image.at(x1, y1);
+  const double weights[] = {(1 - right) * (1 - down), right * (1 - down), (1 - right) * down, right * down};
+  Rgb color;
   for (size_t c = 0; c < 3; ++c) {
-    const double top = (1 - right) * top_left[c] + right * top_right[c];
-    const double bottom = (1 - right) * bottom_left[c] + right * bottom_right[c];
-    color[c] = static_cast<uint8_t>((1 - down) * top + down * bottom + 0.5);
+    color[c] = static_cast<uint8_t>(weights[0] * top_left[c] + weights[1] * top_right[c] + weights[2] * bottom_left[c] +
+                                    weights[3] * bottom_right[c] + 0.5);
   }
   return color;
 }
 
-ViewSampler::ViewSampler(const ColorView& view, const ViewSamplingOptions& options)
+ViewSampler::ViewSampler(const ColorView& view, const std::vector<Eigen::Vector3f>& bearings,
+                         const ViewSamplingOptions& options)
     : view_(view),
       options_(options),
+      bearings_(bearings),
+      image_center_(0.5 * (view.camera.width() - 1), 0.5 * (view.camera.height() - 1)),
+      radius_per_px_(view.camera.model() == CameraModel::kEquirectangular ? 0.0
+                                                                          : 1.0 / std::max(1.0, image_center_.norm())),
       reach_cells_(static_cast<int>(std::ceil(options.edge_margin_px / view.depth.cell_px))) {
+  assert(bearings.size() == view.depth.range.pixels.size());
   if (view.image.width != view.camera.width() || view.image.height != view.camera.height()) {
     throw Error(fmt::format("image {}: {} x {} pixels, but its camera has {} x {}", view.name, view.image.width,
                             view.image.height, view.camera.width(), view.camera.height()));
   }
-  const RangeImage& range = view.depth.range;
-  bearings_.reserve(range.pixels.size());
-  for (int y = 0; y < range.height; ++y) {
-    for (int x = 0; x < range.width; ++x) {
-      const auto bearing = view.camera.unproject(view.depth.center_of({x, y}));
-      bearings_.push_back(bearing ? Eigen::Vector3f(bearing->cast<float>()) : Eigen::Vector3f::Zero());
-    }
-  }
-  find_extremes_around();
+  find_surroundings();
 }
 
 /// First along the rows, then along the columns.
-void ViewSampler::find_extremes_around() {
+void ViewSampler::find_surroundings() {
   const RangeImage& range = view_.depth.range;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   RangeImage nearest(range.width, range.height, kInfinity), farthest(range.width, range.height);
@@ -84,14 +83,19 @@ void ViewSampler::find_extremes_around() {
       }
     }
   }
-  nearest_around_ = RangeImage(range.width, range.height, kInfinity);
-  farthest_around_ = RangeImage(range.width, range.height);
+  surroundings_ = Image<Surroundings>(range.width, range.height);
+  RangeImage nearest_of_row(range.width, 1), farthest_of_row(range.width, 1);
   for (int y = 0; y < range.height; ++y) {
+    std::fill(nearest_of_row.pixels.begin(), nearest_of_row.pixels.end(), kInfinity);
+    std::fill(farthest_of_row.pixels.begin(), farthest_of_row.pixels.end(), 0.0f);
     for (int row = std::max(0, y - reach_cells_); row <= std::min(range.height - 1, y + reach_cells_); ++row) {
       for (int x = 0; x < range.width; ++x) {
-        nearest_around_.at(x, y) = std::min(nearest_around_.at(x, y), nearest.at(x, row));
-        farthest_around_.at(x, y) = std::max(farthest_around_.at(x, y), farthest.at(x, row));
+        nearest_of_row.at(x, 0) = std::min(nearest_of_row.at(x, 0), nearest.at(x, row));
+        farthest_of_row.at(x, 0) = std::max(farthest_of_row.at(x, 0), farthest.at(x, row));
       }
+    }
+    for (int x = 0; x < range.width; ++x) {
+      surroundings_.at(x, y) = {range.at(x, y), nearest_of_row.at(x, 0), farthest_of_row.at(x, 0)};
     }
   }
 }
@@ -110,9 +114,10 @@ std::optional<ViewSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera
                                    ? std::max(kMinCosIncidence, std::abs(normal_in_camera.dot(x_in_camera)) / range)
                                    : kUnknownCosIncidence;
   const double slack_m = options_.occlusion_tolerance_m / cos_incidence;
-  const float nearest = view_.depth.range_at(*pixel);
+  const Eigen::Vector2i cell = view_.depth.cell_of(*pixel);
+  const float nearest = surroundings_.contains(cell.x(), cell.y()) ? surroundings_.at(cell.x(), cell.y()).range : 0.0f;
   if (nearest > 0.0f && range > nearest + slack_m) return {};
-  const Neighborhood around = look_around(view_.depth.cell_of(*pixel), x_in_camera, normal_in_camera, slack_m);
+  const Neighborhood around = look_around(cell, x_in_camera, range, normal_in_camera, slack_m);
   if (around == Neighborhood::kHidden) return {};
 
   const double nearness = range / options_.reference_distance_m;
@@ -124,13 +129,13 @@ std::optional<ViewSample> ViewSampler::sample(const Eigen::Vector3d& x_in_camera
 }
 
 ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
-                                                   const Eigen::Vector3d& normal_in_camera, double slack_m) const {
+                                                   double range, const Eigen::Vector3d& normal_in_camera,
+                                                   double slack_m) const {
   const RangeImage& buffer = view_.depth.range;
-  const double range = x_in_camera.norm();
   const double jump_m = slack_m + options_.edge_jump_ratio * range;
-  if (buffer.contains(cell.x(), cell.y()) && range - nearest_around_.at(cell.x(), cell.y()) <= jump_m &&
-      farthest_around_.at(cell.x(), cell.y()) - range <= jump_m) {
-    return Neighborhood::kPlain;
+  if (surroundings_.contains(cell.x(), cell.y())) {
+    const Surroundings& around = surroundings_.at(cell.x(), cell.y());
+    if (range - around.nearest <= jump_m && around.farthest - range <= jump_m) return Neighborhood::kPlain;
   }
   const double plane_distance = normal_in_camera.dot(x_in_camera);
   Neighborhood result = Neighborhood::kPlain;
@@ -152,9 +157,7 @@ ViewSampler::Neighborhood ViewSampler::look_around(const Eigen::Vector2i& cell, 
 }
 
 double ViewSampler::radius_of(const Eigen::Vector2d& pixel) const {
-  if (view_.camera.model() == CameraModel::kEquirectangular) return 0.0;
-  const Eigen::Vector2d center(0.5 * (view_.camera.width() - 1), 0.5 * (view_.camera.height() - 1));
-  return std::min(1.0, (pixel - center).norm() / std::max(1.0, center.norm()));
+  return std::min(1.0, radius_per_px_ * (pixel - image_center_).norm());
 }
 
 }  // namespace cpplus

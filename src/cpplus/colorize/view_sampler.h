@@ -64,8 +64,9 @@ struct ViewSample {
 /// Answers for one view which colour it gives to a point of the map. Safe from several threads.
 class ViewSampler {
  public:
-  /// Keeps references: view and options must outlive it. Throws Error when the image is not of the camera's size.
-  ViewSampler(const ColorView& view, const ViewSamplingOptions& options);
+  /// `bearings` are those of the cells of view.depth (CellBearings). Keeps references to all three. Throws Error when
+  /// the image is not of the camera's size.
+  ViewSampler(const ColorView& view, const std::vector<Eigen::Vector3f>& bearings, const ViewSamplingOptions& options);
 
   /// The colour of a point (camera frame, metres) and how much it can be trusted: near, seen frontally, in the middle
   /// of the image (vignetting), not on the rim of the foreground. The unit normal (camera frame, either sign) may be
@@ -75,19 +76,25 @@ class ViewSampler {
 
  private:
   enum class Neighborhood { kPlain, kRim, kHidden };
-  void find_extremes_around();
-  Neighborhood look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera,
+  void find_surroundings();
+  Neighborhood look_around(const Eigen::Vector2i& cell, const Eigen::Vector3d& x_in_camera, double range,
                            const Eigen::Vector3d& normal_in_camera, double slack_m) const;
   double radius_of(const Eigen::Vector2d& pixel) const;
 
   const ColorView& view_;
   const ViewSamplingOptions& options_;
+  const std::vector<Eigen::Vector3f>& bearings_;
+  Eigen::Vector2d image_center_;
+  double radius_per_px_;  // 0 in a panorama
   int reach_cells_;
-  std::vector<Eigen::Vector3f> bearings_;  // of the cells of the depth buffer; zero where there is none
-  // Smallest and largest range within reach of each cell, where no surface counts as infinitely far. They settle most
-  // points without a look at every cell.
-  RangeImage nearest_around_;
-  RangeImage farthest_around_;
+  /// A cell's range, and the smallest and largest within reach of it, where no surface counts as infinitely far: they
+  /// settle most points without a look at every cell.
+  struct Surroundings {
+    float range = 0.0f;
+    float nearest = 0.0f;
+    float farthest = 0.0f;
+  };
+  Image<Surroundings> surroundings_;
 };
 
 /// Bilinear interpolation; pixels beyond the border repeat the border.

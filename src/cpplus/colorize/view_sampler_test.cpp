@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "cpplus/colorize/cell_bearings.h"
 #include "cpplus/core/error.h"
 
 namespace cpplus {
@@ -38,9 +39,10 @@ Eigen::Vector3d point_at(double x_px, double y_px, double depth_m) {
 class ViewSamplerTest : public testing::Test {
  protected:
   ColorView view_ = half_covered_view();
+  CellBearings bearings_;
   ViewSamplingOptions options_;
   std::optional<ViewSample> sample(const Eigen::Vector3d& x, const Eigen::Vector3d& normal = kFacing) {
-    return ViewSampler(view_, options_).sample(x, normal);
+    return ViewSampler(view_, bearings_.of(view_.depth), options_).sample(x, normal);
   }
 };
 
@@ -112,7 +114,7 @@ TEST_F(ViewSamplerTest, IgnoresTheBorderAndWhatIsTooFar) {
 
 TEST_F(ViewSamplerTest, RejectsAnImageOfAnotherSizeThanItsCamera) {
   view_.image = ColorImage(100, 81);
-  EXPECT_THROW(ViewSampler(view_, options_), Error);
+  EXPECT_THROW(ViewSampler(view_, bearings_.of(view_.depth), options_), Error);
 }
 
 TEST_F(ViewSamplerTest, OptionsOutOfRangeAreRejected) {
@@ -130,7 +132,8 @@ TEST(ViewSampler, APanoramaIsSampledAcrossItsSeam) {
   view.depth.range = RangeImage(180, 90, 4.0f);
   for (int y = 0; y < 90; ++y) view.depth.range.at(0, y) = 2.0f;  // something near in the first column only
   const ViewSamplingOptions options;
-  const ViewSampler sampler(view, options);
+  CellBearings bearings;
+  const ViewSampler sampler(view, bearings.of(view.depth), options);
   const auto straight_behind = [](double degrees) {
     return Eigen::Vector3d(std::sin(M_PI - degrees * M_PI / 180), 0, std::cos(M_PI - degrees * M_PI / 180));
   };

@@ -16,34 +16,22 @@
 #include "cpplus/io/map_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/cloud_output.h"
+#include "cpplus/pipeline/color_view_depth.h"
 #include "cpplus/pipeline/held_out_images.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/map_cache.h"
 #include "cpplus/report/colorize_report.h"
 #include "cpplus/report/render_cloud.h"
-#include "cpplus/visibility/depth_buffer.h"
 
 namespace cpplus {
 
 namespace {
-
-/// Edge of a cell of the depth buffer: finer cells leave gaps between the leaves of near surfaces, coarser ones blur
-/// the edges that colours must not cross.
-constexpr double kDepthCellPx = 2.0;
 
 /// Edge of the square that a point is drawn as, in leaves.
 constexpr double kPointLeaves = 0.4;
 
 /// A motion-blurred image gives colours where no sharp one does.
 constexpr double kBlurredWeight = 0.1;
-
-DepthBuffer depth_of_view(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
-                          double max_distance_m) {
-  DepthBufferOptions options;
-  options.max_distance_m = max_distance_m;
-  options.cell_leaves = kDepthCellPx * max_distance_m / (map.options().leaf_size_m * camera.pixels_per_radian());
-  return render_depth_buffer(map, camera, camera_from_map, options);
-}
 
 /// The images of the model one after the other, with what the map hides from each.
 class ViewReader {
@@ -89,7 +77,7 @@ class ViewReader {
     if (measure_blur(to_gray(view.image), {}).blurred) view.weight = kBlurredWeight;
     view.camera = camera;
     view.camera_from_map = posed.camera_from_map;
-    view.depth = depth_of_view(map_, camera, posed.camera_from_map, options_.color.sampling.max_distance_m);
+    view.depth = color_view_depth(map_, camera, posed.camera_from_map, options_.color.sampling.max_distance_m);
     return view;
   }
 
@@ -118,12 +106,15 @@ void log_exposure(const ColorizeResult& result) {
 
 /// The photo beside the coloured cloud from the same pose: DIR/STEM.png with the folders of NAME joined by "_".
 void write_debug_images(const ColorizeCommandOptions& options, const SparseModel& model,
-                        const std::vector<size_t>& images, const PointCloud& cloud, double point_size_m) {
+                        const std::vector<size_t>& images, const VoxelMap& map, const PointCloud& cloud,
+                        double point_size_m) {
   std::filesystem::create_directories(options.debug_images);
   for (const size_t index : images) {
     const PosedImage& posed = model.images[index];
     const Camera& camera = model.cameras.at(posed.camera_id);
-    const ColorImage rendering = render_cloud(cloud, camera, posed.camera_from_map, point_size_m);
+    const DepthBuffer surface =
+        color_view_depth(map, camera, posed.camera_from_map, options.color.sampling.max_distance_m);
+    const ColorImage rendering = render_cloud(cloud, surface, posed.camera_from_map, point_size_m);
     const ColorImage photo = read_color_image(image_path(options.images, posed.name));
     write_png(image_path(options.debug_images, debug_image_name(posed.name)), side_by_side(photo, rendering));
   }
@@ -168,12 +159,15 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   if (options.color.exposure.gains && options.color.exposure.vignetting) log_exposure(result);
   write_point_cloud(options.out, result.cloud);
   const std::vector<HeldOutImage> held_out =
-      compare_held_out(options.images, model, split.held_out, held_out_model, result, point_size_m);
+      compare_held_out(options.images, model, split.held_out, held_out_model, map, result,
+                       {options.color.sampling.max_distance_m, point_size_m});
   if (!options.report.empty()) write_text_file(options.report, colorize_report_json(result, held_out));
-  if (!options.debug_images.empty()) write_debug_images(options, model, used, result.cloud, point_size_m);
+  if (!options.debug_images.empty()) write_debug_images(options, model, used, map, result.cloud, point_size_m);
+  const auto num_judges = static_cast<size_t>(
+      std::count_if(held_out.begin(), held_out.end(), [](const HeldOutImage& image) { return !image.blurred; }));
   return {result.cloud.size(), result.num_colored,
           used.size(),         model.images.size() - used.size() - split.held_out.size(),
-          held_out.size(),     total_difference(held_out)};
+          num_judges,          total_difference(held_out)};
 }
 
 }  // namespace cpplus

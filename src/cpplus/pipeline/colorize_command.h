@@ -53,11 +53,11 @@ struct ColorizeCommandOptions {
 
 struct ColorizeSummary {
   size_t num_points = 0;
-  size_t num_colored = 0;  // points that at least one image shows
-  size_t num_images = 0;   // images that gave colours
-  size_t num_skipped = 0;  // images of the model that are missing or cannot be used
-  size_t num_held_out = 0;
-  ImageDifference held_out;  // of all held-out images together
+  size_t num_colored = 0;    // points that at least one image shows
+  size_t num_images = 0;     // images that gave colours
+  size_t num_skipped = 0;    // images of the model that are missing or cannot be used
+  size_t num_held_out = 0;   // without blurred ones
+  ImageDifference held_out;  // of these together
 };
 
 /// Reads map, poses and images (one at a time, each once unless it is drawn), colours the points, and writes the cloud.

@@ -14,18 +14,16 @@
 #include "cpplus/io/map_io.h"
 #include "cpplus/io/nerfstudio_io.h"
 #include "cpplus/io/point_cloud_io.h"
+#include "cpplus/pipeline/color_view_depth.h"
 #include "cpplus/pipeline/export_surfaces.h"
 #include "cpplus/pipeline/export_views.h"
 #include "cpplus/pipeline/image_folder.h"
-#include "cpplus/visibility/depth_buffer.h"
 
 namespace cpplus {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// As in colorize: finer cells leave gaps between the leaves of near surfaces, coarser ones blur the outlines.
-constexpr double kDepthCellPx = 2.0;
 constexpr double kBlurredWeight = 0.1;
 
 /// What is done with the pixels of a view besides its tracks.
@@ -45,10 +43,7 @@ ColorView color_view(const ExportCommandOptions& options, const VoxelMap& map, c
   result.image = std::move(pixels);
   result.camera = camera;
   result.camera_from_map = view.image.camera_from_map;
-  DepthBufferOptions depth;
-  depth.max_distance_m = options.sampling.max_distance_m;
-  depth.cell_leaves = kDepthCellPx * depth.max_distance_m / (map.options().leaf_size_m * camera.pixels_per_radian());
-  result.depth = render_depth_buffer(map, camera, result.camera_from_map, depth);
+  result.depth = color_view_depth(map, camera, result.camera_from_map, options.sampling.max_distance_m);
   return result;
 }
 

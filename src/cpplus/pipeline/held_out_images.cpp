@@ -9,7 +9,9 @@
 #include "cpplus/core/error.h"
 #include "cpplus/core/log.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/features/blur.h"
 #include "cpplus/io/image_io.h"
+#include "cpplus/pipeline/color_view_depth.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/report/render_cloud.h"
 
@@ -18,7 +20,8 @@ namespace {
 
 /// Nothing, with a warning, for an image that cannot be used.
 std::optional<HeldOutImage> compare(const std::string& image_folder, const PosedImage& image, const Camera& camera,
-                                    const SparseModel& poses, const ColorizeResult& result, double point_size_m) {
+                                    const SparseModel& poses, const VoxelMap& map, const ColorizeResult& result,
+                                    const HeldOutRendering& options) {
   const auto posed = std::find_if(poses.images.begin(), poses.images.end(),
                                   [&](const PosedImage& other) { return other.name == image.name; });
   if (posed == poses.images.end()) {
@@ -27,12 +30,15 @@ std::optional<HeldOutImage> compare(const std::string& image_folder, const Posed
   }
   try {
     const ColorImage photo = read_color_image(image_path(image_folder, image.name));
-    CloudRendering rendering = render_colored_cloud(result.cloud, camera, posed->camera_from_map, point_size_m);
+    const DepthBuffer surface = color_view_depth(map, camera, posed->camera_from_map, options.max_distance_m);
+    CloudRendering rendering =
+        render_colored_cloud(result.cloud, surface, posed->camera_from_map, options.point_size_m);
     const auto vignetting = result.vignetting.find(image.camera_id);
     if (vignetting != result.vignetting.end() && vignetting->second.determined) {
       apply_vignetting(vignetting->second.coefficients, &rendering.picture);
     }
-    return HeldOutImage{image.name, compare_images(photo, rendering.picture, rendering.colored)};
+    return HeldOutImage{image.name, compare_images(photo, rendering.picture, rendering.colored),
+                        measure_blur(to_gray(photo), {}).blurred};
   } catch (const Error& error) {
     log_warning(fmt::format("held-out image {}: {}", image.name, error.what()));
     return std::nullopt;
@@ -52,15 +58,18 @@ HeldOutSplit split_images(const std::vector<size_t>& images, int every) {
 
 std::vector<HeldOutImage> compare_held_out(const std::string& image_folder, const SparseModel& model,
                                            const std::vector<size_t>& held_out, const SparseModel& poses,
-                                           const ColorizeResult& result, double point_size_m) {
+                                           const VoxelMap& map, const ColorizeResult& result,
+                                           const HeldOutRendering& rendering) {
   std::vector<std::optional<HeldOutImage>> compared(held_out.size());
   parallel_for_each(held_out.size(), [&](size_t k) {
     const PosedImage& image = model.images[held_out[k]];
-    compared[k] = compare(image_folder, image, model.cameras.at(image.camera_id), poses, result, point_size_m);
+    compared[k] = compare(image_folder, image, model.cameras.at(image.camera_id), poses, map, result, rendering);
   });
   std::vector<HeldOutImage> images;
   for (std::optional<HeldOutImage>& image : compared) {
-    if (image) images.push_back(std::move(*image));
+    if (!image) continue;
+    if (image->blurred) log_info(fmt::format("{}: held out, but blurred: not counted", image->name));
+    images.push_back(std::move(*image));
   }
   return images;
 }

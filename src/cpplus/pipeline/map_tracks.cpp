@@ -118,7 +118,7 @@ MapTracks::MapTracks(const VoxelMap& map, const MapTrackOptions& options, const 
       samples_(points_.size(), kMaxColorSamples) {}
 
 size_t MapTracks::add_view(const ColorView& view, uint32_t image_id) {
-  const ViewSampler sampler(view, sampling_);
+  const ViewSampler sampler(view, bearings_.of(view.depth), sampling_);
   const Eigen::Matrix3d rotation = view.camera_from_map.rotation.toRotationMatrix();
   std::vector<std::vector<uint32_t>> seen_of_chunk((points_.size() + kGrain - 1) / kGrain);
   parallel_for_chunks(points_.size(), kGrain, [&](size_t begin, size_t end) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cpplus/cloud/voxel_map.h"
+#include "cpplus/colorize/cell_bearings.h"
 #include "cpplus/colorize/color_samples.h"
 #include "cpplus/colorize/surface_normals.h"
 #include "cpplus/colorize/view_sampler.h"
@@ -64,6 +65,7 @@ class MapTracks {
   ViewSamplingOptions sampling_;
   std::vector<uint32_t> points_;          // candidates, in map order
   std::vector<Eigen::Vector3f> normals_;  // of the candidates; zero where not known
+  CellBearings bearings_;
   ColorSamples samples_;
   std::vector<View> views_;
 };

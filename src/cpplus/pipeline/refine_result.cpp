@@ -71,6 +71,7 @@ RefineResult read_refine_result(const std::string& folder, const RefineInputs& g
     result.inputs.images = input(report, "images", given.images, path);
     result.inputs.poses = input(report, "poses", given.poses, path);
     set_options(report.at("options"), &result.stages);
+    for (const Json& image : report.at("images")) result.image_names.push_back(image.at("name"));
   } catch (const Json::exception& error) {
     throw Error(fmt::format("{}: not a report of `cpplus refine`: {}", path, error.what()));
   }
@@ -88,13 +89,6 @@ std::vector<size_t> places_in_model(const std::vector<std::string>& names, const
     result.push_back(found == places.end() ? model.images.size() : found->second);
   }
   return result;
-}
-
-std::vector<std::string> report_image_names(const RefineResult& result) {
-  std::vector<std::string> names;
-  const Json report = Json::parse(result.report_json);
-  for (const Json& image : report.at("images")) names.push_back(image.at("name"));
-  return names;
 }
 
 }  // namespace cpplus

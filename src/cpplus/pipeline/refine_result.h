@@ -12,6 +12,7 @@ namespace cpplus {
 struct RefineResult {
   std::string folder;
   std::string report_json;
+  std::vector<std::string> image_names;  // in the order of report.json
   RefineInputs inputs;
   RefineImagesOptions stages;
   SparseModel coarse;
@@ -23,13 +24,10 @@ struct RefineResult {
 std::string find_refine_folder(const std::string& folder);
 
 /// Reads the folder. Inputs that `given` names count instead of those of report.json. Throws Error naming what is
-/// missing.
+/// missing or broken.
 RefineResult read_refine_result(const std::string& folder, const RefineInputs& given);
 
 /// Where each image of report.json stands in a model, by name; model.images.size() where it does not.
 std::vector<size_t> places_in_model(const std::vector<std::string>& names, const SparseModel& model);
-
-/// Names of the images of report.json, in its order.
-std::vector<std::string> report_image_names(const RefineResult& result);
 
 }  // namespace cpplus

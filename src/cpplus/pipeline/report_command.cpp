@@ -35,7 +35,7 @@ ReportPage describe(const RefineResult& result) {
   for (const PosedImage& image : result.coarse.images) cameras_from_map.push_back(image.camera_from_map);
   page.view = TopView(up_axis(cameras_from_map));
   page.floor_plan_bounds = bounds_around(camera_places(result.coarse, page.view), kFloorPlanMarginM);
-  page.has_pictures.assign(report_image_names(result).size(), false);
+  page.has_pictures.assign(result.image_names.size(), false);
   return page;
 }
 
@@ -78,8 +78,9 @@ ReportSummary report_command(const std::string& result_folder, const ReportComma
   ReportSummary summary;
   summary.num_images = page.has_pictures.size();
   if (options.pictures) add_pictures(result, options, folder, &page, &summary);
+  const std::string script = report_page_script(page);
   write_web_files(report_web_files(), folder);
-  write_text_file(folder + "/data.js", report_page_script(page));
+  write_text_file(folder + "/data.js", script);
   summary.page = folder + "/index.html";
   return summary;
 }

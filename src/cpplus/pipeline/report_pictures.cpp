@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/log.h"
@@ -76,14 +77,15 @@ void write_pictures(const RefineResult& result, const MapFeatures& features, con
 }  // namespace
 
 PicturePlan plan_pictures(const RefineResult& result, const std::string& folder, int picture_size_px) {
-  const std::vector<std::string> names = report_image_names(result);
+  const std::vector<std::string>& names = result.image_names;
   const std::string marker = folder + "/pictures/made_of.txt";
   const std::string made_of = fingerprint(result, picture_size_px);
   if (read_if_there(marker) != made_of) {
+    std::error_code ignored;  // what stands in the way is found when the files are written
     for (size_t i = 0; i < names.size(); ++i) {
-      for (const std::string& file : files_of(folder, i)) fs::remove(file);
+      for (const std::string& file : files_of(folder, i)) fs::remove(file, ignored);
     }
-    fs::remove(folder + "/floor_plan.png");
+    fs::remove(folder + "/floor_plan.png", ignored);
     write_text_file(marker, made_of);
   }
   PicturePlan plan;
@@ -98,7 +100,7 @@ PicturePlan plan_pictures(const RefineResult& result, const std::string& folder,
 
 std::vector<size_t> draw_pictures(const RefineResult& result, const MapFeatures& features,
                                   const std::vector<size_t>& images, const std::string& folder, int picture_size_px) {
-  const std::vector<std::string> names = report_image_names(result);
+  const std::vector<std::string>& names = result.image_names;
   const std::vector<size_t> coarse_places = places_in_model(names, result.coarse);
   const std::vector<size_t> refined_places = places_in_model(names, result.refined);
   std::vector<std::string> problems(images.size());

@@ -91,8 +91,9 @@ void write_page(const RefineResult& result, const TileSetFacts& facts, const std
   std::vector<Rigid3> cameras_from_map;
   for (const PosedImage& image : result.coarse.images) cameras_from_map.push_back(image.camera_from_map);
   page.up = up_axis(cameras_from_map);
+  const std::string script = view_page_script(page);
   write_web_files(view_web_files(), folder);
-  write_text_file(folder + "/data.js", view_page_script(page));
+  write_text_file(folder + "/data.js", script);
 }
 
 std::vector<uint8_t> make_photo(const std::string& path, int size_px) {
@@ -101,7 +102,7 @@ std::vector<uint8_t> make_photo(const std::string& path, int size_px) {
 }
 
 void export_photos(const RefineResult& result, const std::string& folder, int size_px) {
-  const std::vector<std::string> names = report_image_names(result);
+  const std::vector<std::string>& names = result.image_names;
   std::vector<std::string> problems(names.size());
   Progress progress("write photos", names.size());
   parallel_for_each(names.size(), [&](size_t i) {
@@ -139,7 +140,7 @@ void view_command(const std::string& result_folder, const ViewCommandOptions& op
     on_ready(folder);
     return;
   }
-  const std::vector<std::string> names = report_image_names(result);
+  const std::vector<std::string>& names = result.image_names;
   serve_view(
       folder, options.port,
       [&](size_t i) -> std::vector<uint8_t> {

@@ -27,6 +27,7 @@ Json held_out_json(const std::vector<HeldOutImage>& held_out) {
     Json entry = {{"name", image.name}};
     entry.update(difference_json(image.difference));
     entry["scale"] = image.difference.scale;
+    entry["blurred"] = image.blurred;
     json["images"].push_back(entry);
   }
   return json;
@@ -37,6 +38,7 @@ Json held_out_json(const std::vector<HeldOutImage>& held_out) {
 ImageDifference total_difference(const std::vector<HeldOutImage>& images) {
   ImageDifference total;
   for (const HeldOutImage& image : images) {
+    if (image.blurred) continue;
     const auto covered = static_cast<double>(image.difference.num_covered);
     total.num_pixels += image.difference.num_pixels;
     total.num_covered += image.difference.num_covered;

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "cpplus/cloud/depth_buffer.h"
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/core/image.h"
-#include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/rigid3.h"
 
 namespace cpplus {
@@ -12,15 +12,18 @@ struct CloudRendering {
   Image<uint8_t> colored;  // 1 where the point in front has the colour of an image (num_views > 0)
 };
 
-/// A picture of the coloured cloud as the camera sees it: each point is a square of point_size_m at its distance
-/// (between 1 and 15 pixels), nearer ones cover farther ones. Pixels that no point covers are dark blue. The cloud must
-/// have colours; points that no image gave a colour to (num_views 0) are drawn as they are, but not `colored`; a cloud
-/// without view counts is colored wherever it is drawn. Linear in the points.
-CloudRendering render_colored_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
+/// A picture of the coloured cloud as the camera of `surface` sees it. Each point is a square of point_size_m at its
+/// distance (between 1 and 15 pixels); a pixel takes the mean of the points of the nearest surface there, weighted by a
+/// bell around each of them (Zwicker et al. 2001, without its filter for minification). What lies behind `surface` is
+/// not drawn, so that it does not shine through the gaps between the points in front; where `surface` has no range, all
+/// is. Pixels that no point covers are dark blue. The cloud must have colours; points that no image gave a colour to
+/// (num_views 0) are drawn as they are, but not `colored`; a cloud without view counts is colored wherever it is drawn.
+/// Linear in the points.
+CloudRendering render_colored_cloud(const PointCloud& cloud, const DepthBuffer& surface, const Rigid3& camera_from_map,
                                     double point_size_m);
 
 /// Only the picture.
-ColorImage render_cloud(const PointCloud& cloud, const Camera& camera, const Rigid3& camera_from_map,
+ColorImage render_cloud(const PointCloud& cloud, const DepthBuffer& surface, const Rigid3& camera_from_map,
                         double point_size_m);
 
 /// Two pictures of the same height, one beside the other.

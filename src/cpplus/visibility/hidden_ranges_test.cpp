@@ -4,8 +4,6 @@
 
 #include <limits>
 
-#include "cpplus/visibility/view_box.h"
-
 namespace cpplus {
 namespace {
 
@@ -39,31 +37,6 @@ TEST(HiddenRanges, NothingIsHiddenNearTheRimOfAPlaneNorOutsideTheImage) {
   EXPECT_FALSE(hides(planes, {-10, 0, 8}));
   EXPECT_FALSE(hides(planes, {0, 0, -8}));
   EXPECT_FALSE(hides(PlaneBuffer(), {-3, 0, 8}));
-}
-
-TEST(ViewBox, NothingThatProjectsIntoTheImageIsExcluded) {
-  const Camera camera(CameraModel::kOpenCv, 640, 480, {400, 410, 300, 250, -0.2, 0.05, 0.001, -0.002});
-  const ViewBox box(camera);
-  int excluded = 0;
-  for (float x = -4; x < 4; x += 0.05f) {
-    for (float y = -4; y < 4; y += 0.05f) {
-      const Eigen::Vector3f point(x, y, 3);
-      const auto pixel = camera.project(point.cast<double>());
-      const bool seen = pixel && camera.in_image(*pixel, -0.5);
-      EXPECT_FALSE(seen && box.excludes(point)) << x << " " << y;
-      EXPECT_LE(box.excludes(point, 0.1f), box.excludes(point)) << x << " " << y;
-      excluded += box.excludes(point);
-    }
-  }
-  EXPECT_GT(excluded, 10000);  // of 25,600
-  EXPECT_TRUE(box.excludes({0, 0, -1}));
-  EXPECT_FALSE(box.excludes({0, 0, -0.05f}, 0.1f));
-}
-
-TEST(ViewBox, WideCamerasHaveNone) {
-  const ViewBox box(Camera(CameraModel::kEquirectangular, 1024, 512, {1024, 512}));
-  EXPECT_FALSE(box.excludes({0, 0, -1}));
-  EXPECT_FALSE(box.excludes({9, 9, 0}, 0.1f));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "cpplus/visibility/view_box.h"
+#include "cpplus/geometry/tangent_box.h"
 
 namespace cpplus {
 namespace {
@@ -110,7 +110,7 @@ PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& pl
   const double radius_m = kPatchRadiusLeaves * map.options().leaf_size_m;
   const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
   const Eigen::Vector3d offset = rotation * map.origin() + camera_from_map.translation;
-  const ViewBox box(camera);
+  const TangentBox box = tangent_box(camera);
   const auto draw_patch = [&](size_t k) {
     const Eigen::Vector3d x = rotation * surface.centers[k].cast<double>() + offset;
     if (box.excludes(x.cast<float>(), static_cast<float>(radius_m))) return;

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "cpplus/geometry/tangent_box.h"
 #include "cpplus/visibility/hidden_ranges.h"
-#include "cpplus/visibility/view_box.h"
 
 namespace cpplus {
 namespace {
@@ -82,7 +82,7 @@ class PointProjector {
         rotation_(planes.camera_from_map.rotation.toRotationMatrix().cast<float>()),
         // float32 holds 40 m to micrometres: the large offsets cancel in double first.
         center_from_origin_((camera_center(planes.camera_from_map) - map.origin()).cast<float>()),
-        box_(planes.camera),
+        box_(tangent_box(planes.camera)),
         hidden_(planes),
         min_cos_(static_cast<float>(std::cos(planes.camera.max_view_angle()))),
         max_range_(static_cast<float>(max_distance_m)),
@@ -140,7 +140,7 @@ class PointProjector {
   const Camera& camera_;
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f center_from_origin_;
-  ViewBox box_;
+  TangentBox box_;
   HiddenRanges hidden_;
   float min_cos_;
   float max_range_;
