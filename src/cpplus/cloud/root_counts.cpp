@@ -5,19 +5,29 @@
 #include <algorithm>
 
 namespace cpplus {
+namespace {
+
+/// Slots a root: many while that takes little memory, since look-ups then need no second slot.
+size_t min_slots(size_t num_roots) {
+  constexpr size_t kMany = size_t{1} << 15;
+  return num_roots <= kMany ? 8 * num_roots : 2 * num_roots;
+}
+
+}  // namespace
 
 uint32_t RootCounts::insert(const Eigen::Vector3i& key, size_t slot) {
   const uint32_t root = static_cast<uint32_t>(keys.size());
   slots_[slot] = {key.x(), key.y(), key.z(), root};
   keys.push_back(key);
   counts.push_back(0);
-  if (8 * keys.size() > slots_.size()) grow();
+  if (min_slots(keys.size()) > slots_.size()) grow();
   return root;
 }
 
 void RootCounts::grow() {
-  slots_.assign(4 * slots_.size(), Slot());
-  shift_ -= 2;
+  const int bits = slots_.size() < (size_t{1} << 18) ? 2 : 1;
+  slots_.assign(slots_.size() << bits, Slot());
+  shift_ -= bits;
   for (uint32_t root = 0; root < keys.size(); ++root) {
     size_t slot = hash_key(keys[root]) >> shift_;
     while (slots_[slot].root != no_voxel) slot = (slot + 1) & (slots_.size() - 1);

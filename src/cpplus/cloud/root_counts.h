@@ -27,6 +27,9 @@ class RootCounts {
     return root;
   }
 
+  /// Frees what add() needs, which takes more memory than the counts; no root can be added any more.
+  void finish() { slots_ = {}; }
+
   std::vector<Eigen::Vector3i> keys;
   std::vector<uint32_t> counts;
 

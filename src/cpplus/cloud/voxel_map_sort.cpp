@@ -83,6 +83,7 @@ PointsByRoot sort_points_by_root(const PointCloud& cloud, const VoxelMapOptions&
     chunk.beyond_limit =
         count_roots({&cloud.positions[begin], end - begin}, grid, &chunk.roots, &roots_of_points[begin]);
     if (chunk.beyond_limit) *chunk.beyond_limit += begin;
+    chunk.roots.finish();
   });
   throw_if_beyond_limit(cloud, options, chunks);
 
