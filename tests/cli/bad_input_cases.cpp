@@ -451,7 +451,6 @@ Cases clean_cases() {
       {"static map below a file", clean_flag("--out", "DIR/map.pcd/out.ply")},
       {"labels below a file", clean_flag("--labels", "DIR/map.pcd/labels")},
       {"option of clean out of range", clean_flag("--dynamics.fill-share", "0")},
-      {"more roots than a ray may cross", clean_flag("--dynamics.max-range-m", "300")},
   };
 }
 

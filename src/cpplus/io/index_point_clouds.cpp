@@ -186,8 +186,8 @@ void build(const PointBuckets& buckets, size_t num_buckets, const VoxelMapOutlin
 IndexSummary index_point_clouds(const std::vector<std::string>& paths, const VoxelMapOptions& options,
                                 size_t memory_bytes, const std::string& out) {
   options.validate();
-  { const AtomicFile probe(out); }
   const Inputs inputs(paths);
+  { const AtomicFile probe(out); }
   Survey found = survey(inputs, options);
   const VoxelMapOutline& outline = found.outline;
   const size_t capacity = memory_bytes / (2 * point_bytes(outline.attributes) + kBuildBytes);

@@ -152,12 +152,16 @@ TEST_F(SlowColorizeTruth, NothingBleedsAndHeldOutImagesAreForetold) {
   const std::string scenes = std::string(CPPLUS_DATA_DIR) + "/truth";
   if (!std::filesystem::exists(scenes)) GTEST_SKIP() << "no scenes in " << CPPLUS_DATA_DIR;
   // In the office, surfaces that the LiDAR never scanned hide what lies behind them from the cameras only.
-  for (const auto& [scene, max_hidden, min_psnr_db] : {std::tuple<const char*, double, double>{"corner_4", 0.002, 20.0},
-                                                       {"street_3", 0.01, 16.0},
-                                                       {"office_1", 0.10, 16.0}}) {
+  struct Bounds {
+    const char* scene;
+    double max_hidden, max_bled, min_psnr_db;
+  };
+  for (const auto& [scene, max_hidden, max_bled, min_psnr_db] :
+       {Bounds{"corner_4", 0.002, 0.005, 20.0}, Bounds{"street_3", 0.01, 0.01, 16.0},
+        Bounds{"office_1", 0.10, 0.06, 16.0}}) {
     const Shares shares = shares_of(scene);
     EXPECT_LT(shares.hidden, max_hidden) << scene;
-    EXPECT_LT(shares.bled, max_hidden) << scene;
+    EXPECT_LT(shares.bled, max_bled) << scene;
     const auto report = nlohmann::json::parse(read("report.json"));
     EXPECT_GT(report["held_out"]["matched_psnr_db"].get<double>(), min_psnr_db) << scene;
     EXPECT_EQ(report["held_out"]["images"].size(), report["images"].size() / 7);

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""Scale benchmark: how time and memory of `cpplus index`, `refine` and `colorize` grow with the map.
+
+A simulated world is laid out again and again on a grid, far enough apart that its images see the first copy alone; so the
+map grows while what an image sees stays the same. Writes OUT/scale.json and OUT/scale.md. Memory is the anonymous
+memory of the process at its highest: what it holds itself, without the pages of mapped files, which the system may drop.
+Needs nothing but Python's standard library."""
+
+import argparse
+import array
+import datetime
+import json
+import os
+import pathlib
+import platform
+import subprocess
+import sys
+import time
+
+POLL_S = 0.02
+GAP_M = 60.0  # between copies: no image sees the next one
+
+
+class RunFailed(Exception):
+    """The program ended with an error; the text is its last line."""
+
+
+def read_pcd(path):
+    """(header lines, floats, floats a point) of a binary PCD of float32 fields that begin with x y z."""
+    data = path.read_bytes()
+    begin = data.index(b"DATA binary\n") + len(b"DATA binary\n")
+    header = data[:begin].decode().splitlines()
+    fields = next(line for line in header if line.startswith("FIELDS")).split()[1:]
+    types = set(next(line for line in header if line.startswith("TYPE")).split()[1:])
+    sizes = set(next(line for line in header if line.startswith("SIZE")).split()[1:])
+    if fields[:3] != ["x", "y", "z"] or types != {"F"} or sizes != {"4"}:
+        raise RunFailed(f"{path}: not a PCD of float32 fields x y z ...")
+    values = array.array("f")
+    values.frombytes(data[begin:])
+    return header, values, len(fields)
+
+
+def write_copies(source, target, copies):
+    """The cloud `copies` times on a square grid in x and y. Returns the number of points."""
+    header, values, width = read_pcd(source)
+    count = len(values) // width
+    size = [max(values[axis::width]) - min(values[axis::width]) + GAP_M for axis in range(2)]
+    columns = next(n for n in range(1, copies + 1) if n * n >= copies)
+    total = str(copies * count)
+    changed = {"WIDTH": total, "POINTS": total, "HEIGHT": "1"}
+    with open(target, "wb") as file:
+        for line in header:
+            key = line.split(" ")[0]
+            file.write((f"{key} {changed[key]}" if key in changed else line).encode() + b"\n")
+        for copy in range(copies):
+            moved = array.array("f", values)
+            for axis, steps in ((0, copy % columns), (1, copy // columns)):
+                if steps:
+                    moved[axis::width] = array.array("f", (v + steps * size[axis] for v in values[axis::width]))
+            file.write(moved.tobytes())
+    return copies * count
+
+
+def anonymous_mb(pid):
+    try:
+        with open(f"/proc/{pid}/status") as status:
+            for line in status:
+                if line.startswith("RssAnon:"):
+                    return int(line.split()[1]) / 1024.0
+    except OSError:
+        pass
+    return 0.0
+
+
+def run(log, *command):
+    """Seconds, CPU seconds and peak anonymous MB of a command; its output goes to `log`."""
+    begin = time.monotonic()
+    peak_mb = 0.0
+    with open(log, "w") as file:
+        process = subprocess.Popen([str(part) for part in command], stdout=file, stderr=subprocess.STDOUT)
+        while True:
+            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+            if pid:
+                break
+            peak_mb = max(peak_mb, anonymous_mb(process.pid))
+            time.sleep(POLL_S)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise RunFailed(f"{command[1]}: exit code {process.returncode}: {log.read_text().strip().splitlines()[-1:]}")
+    return {"seconds": time.monotonic() - begin, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_mb}
+
+
+def measure(program, world, out, copies, threads):
+    folder = out / f"x{copies}"
+    folder.mkdir(parents=True, exist_ok=True)
+    cloud = folder / "map.pcd"
+    row = {"copies": copies, "points": write_copies(world / "map.pcd", cloud, copies)}
+    index = folder / "map.vox"
+    common = ["--quiet", "--threads", threads]
+    inputs = ["--map", index, "--images", world / "images"]
+    row["index"] = run(folder / "index.log", program, "index", cloud, "--out", index, *common)
+    cloud.unlink()
+    row["refine"] = run(folder / "refine.log", program, "refine", *inputs, "--poses", world / "coarse_small", "--out",
+                        folder / "refined", "--stamps", world / "stamps.txt", *common)
+    images = json.loads((folder / "refined" / "report.json").read_text())["images"]
+    row["image_ms"] = sum(image["milliseconds"]["total"] for image in images) / len(images)
+    row["colorize"] = run(folder / "colorize.log", program, "colorize", *inputs, "--poses",
+                          folder / "refined" / "sparse", "--out", folder / "colored.pcd", *common)
+    index.unlink()
+    (folder / "colored.pcd").unlink()
+    return row
+
+
+def table(rows):
+    lines = ["| million points | index s (CPU), MB | refine s (CPU), MB | ms an image | colorize s (CPU), MB |",
+             "|--:|--:|--:|--:|--:|"]
+    for row in rows:
+        cells = [f"{row[stage]['seconds']:.1f} ({row[stage]['cpu_seconds']:.1f}), {row[stage]['peak_mb']:.0f}"
+                 for stage in ("index", "refine", "colorize")]
+        lines.append(f"| {row['points'] / 1e6:.1f} | {cells[0]} | {cells[1]} | {row['image_ms']:.0f} | {cells[2]} |")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path, help="build folder with apps/cpplus")
+    parser.add_argument("out", type=pathlib.Path, help="folder for worlds, logs and tables")
+    parser.add_argument("--copies", default="1,10,50", help="sizes of the map in copies of the world (default 1,10,50)")
+    parser.add_argument("--threads", type=int, default=2)
+    settings = parser.parse_args()
+    program = settings.build / "apps" / "cpplus"
+    world = settings.out / "world"
+    rows = []
+    try:
+        settings.out.mkdir(parents=True, exist_ok=True)
+        if not (world / "map.pcd").exists():
+            run(settings.out / "simulate.log", program, "simulate", "--scene", "rooms", "--seed", 1, "--out", world)
+        for copies in (int(text) for text in settings.copies.split(",")):
+            rows.append(measure(program, world, settings.out, copies, settings.threads))
+            report = {"date": datetime.date.today().isoformat(), "machine": platform.processor() or platform.machine(),
+                      "threads": settings.threads, "rows": rows}
+            (settings.out / "scale.json").write_text(json.dumps(report, indent=1) + "\n")
+            (settings.out / "scale.md").write_text(table(rows))
+            print(table(rows[-1:]).splitlines()[-1], flush=True)
+    except (RunFailed, OSError) as error:
+        print(f"scale.py: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
