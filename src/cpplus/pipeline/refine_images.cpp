@@ -1,6 +1,7 @@
 #include "cpplus/pipeline/refine_images.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "cpplus/core/error.h"
@@ -12,9 +13,9 @@
 namespace cpplus {
 namespace {
 
-// How far from their place as seen from a nearly right pose the image edges of a sample are kept.
 // Within how much of the nearest points a surface lies, in standard deviations of the map's noise.
 constexpr double kSurfaceDepthNoises = 6.0;
+// How far from their place as seen from a nearly right pose the image edges of a sample are kept.
 constexpr double kCandidateRadiusPx = 40.0;
 // Points of the seen surface along the longer side of the image.
 constexpr int kSurfacePoints = 16;
@@ -97,19 +98,27 @@ MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptio
 
 namespace {
 
+// Those of which a part may lie within the distance: of a large map few.
+std::vector<MapEdge> edges_near(const std::vector<MapEdge>& edges, const Eigen::Vector3d& center, double distance_m) {
+  std::vector<MapEdge> near;
+  std::copy_if(edges.begin(), edges.end(), std::back_inserter(near), [&](const MapEdge& edge) {
+    return (0.5 * (edge.start + edge.end) - center).norm() <= distance_m + 0.5 * edge.length();
+  });
+  return near;
+}
+
 EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes,
                           const std::vector<MapEdge>& silhouettes, const RefineImagesOptions& options) {
   EdgesInView view;
-  view.edges = concatenate_groups({features.edges, silhouettes});
+  view.edges = concatenate_groups(
+      {edges_near(features.edges, camera_center(planes.camera_from_map), options.samples.max_distance_m), silhouettes});
   view.samples = sample_visible_edges(view.edges, planes.camera, planes.camera_from_map, planes, options.samples);
   return view;
 }
 
 EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes, const RefineImagesOptions& options) {
-  return edges_in_view(
-      features, planes,
-      find_silhouettes(features.map, features.leaf_spacing, planes, options.silhouettes),
-      options);
+  return edges_in_view(features, planes,
+                       find_silhouettes(features.map, features.leaf_spacing, planes, options.silhouettes), options);
 }
 
 }  // namespace

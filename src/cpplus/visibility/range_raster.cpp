@@ -17,6 +17,7 @@ constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 // hardly any larger ones.
 constexpr float kHalfSquareSpacings = 1.0f;
 constexpr int kMaxHalfCells = 12;
+constexpr size_t kUsualPoints = 1 << 20;  // of a view
 
 int half_cells(float spacing_px, float cell_px) {
   const int half = static_cast<int>(kHalfSquareSpacings * spacing_px / cell_px + 0.5f);
@@ -157,7 +158,7 @@ std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vecto
                                            const PlaneBuffer& planes, double max_distance_m) {
   std::vector<ProjectedPoint> points;
   if (map.num_layers() == 0) return points;
-  points.reserve(map.num_points() / 4);
+  points.reserve(std::min(map.num_points() / 4, kUsualPoints));
   PointProjector projector(map, leaf_spacing, planes, max_distance_m, &points);
   const Rigid3& camera_from_map = planes.camera_from_map;
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
