@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -10,6 +9,7 @@
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
+#include "cpplus/dynamics/near_nodes.h"
 #include "cpplus/dynamics/region_hits.h"
 
 namespace cpplus {
@@ -93,14 +93,9 @@ std::vector<uint8_t> vote_with_neighbors(const VoxelMap& map, const std::vector<
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) votes[node].add(first[leaf], num_hits[leaf]);
   });
   // Only around dynamic leaves can there be any: most nodes need not be looked at.
-  std::vector<uint8_t> is_near_dynamic(votes.size(), 0);
-  over_nodes([&](uint32_t node) {
-    if (votes[node].dynamic_leaves == 0) return;
-    std::vector<uint32_t> neighbors;
-    map.neighbors(layer, node, false, &neighbors);
-    neighbors.push_back(node);
-    for (const uint32_t near : neighbors) std::atomic_ref(is_near_dynamic[near]).store(1, std::memory_order_relaxed);
-  });
+  std::vector<uint8_t> has_dynamic(votes.size());
+  for (size_t node = 0; node < votes.size(); ++node) has_dynamic[node] = votes[node].dynamic_leaves > 0 ? 1 : 0;
+  const std::vector<uint8_t> is_near_dynamic = with_nodes_around(map, layer, has_dynamic);
   std::vector<uint8_t> labels(first.size(), 0);
   over_nodes([&](uint32_t node) {
     if (is_near_dynamic[node] == 0) return;

@@ -6,6 +6,7 @@
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
+#include "cpplus/dynamics/near_nodes.h"
 #include "cpplus/dynamics/scan_hits.h"
 
 namespace cpplus {
@@ -27,14 +28,9 @@ class StandingPoints {
 
   // The voxels above the leaves that hold dynamic ones or lie beside such.
   std::vector<uint32_t> nodes_to_look_at() const {
-    std::vector<uint8_t> is_near(map_.num_nodes(layer_), 0);
-    std::vector<uint32_t> neighbors;
-    for (uint32_t node = 0; node < is_near.size(); ++node) {
-      if (!has_dynamic(node)) continue;
-      is_near[node] = 1;
-      map_.neighbors(layer_, node, false, &neighbors);
-      for (const uint32_t neighbor : neighbors) is_near[neighbor] = 1;
-    }
+    std::vector<uint8_t> marked(map_.num_nodes(layer_));
+    for (uint32_t node = 0; node < marked.size(); ++node) marked[node] = has_dynamic(node) ? 1 : 0;
+    const std::vector<uint8_t> is_near = with_nodes_around(map_, layer_, marked);
     std::vector<uint32_t> nodes;
     for (uint32_t node = 0; node < is_near.size(); ++node) {
       if (is_near[node] != 0) nodes.push_back(node);

@@ -223,7 +223,8 @@ JointResult predict_poses(const JointRefinementInput& input, const std::vector<I
     problem.images[i].observed = PoseObservation{reports[i].camera_from_map, reports[i].refine.information};
   }
   JointOptions solve = options.joint_solve;
-  solve.imaging = {};  // of which poses alone say nothing
+  solve.imaging.readout_sigma_s = 0.0;  // poses alone say nothing of either
+  solve.imaging.intrinsics = false;
   return solve_joint(problem, options.refine.prior.sigmas(), {}, solve);
 }
 

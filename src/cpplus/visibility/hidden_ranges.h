@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include "cpplus/cloud/depth_buffer.h"
 #include "cpplus/cloud/plane_buffer.h"
 
 namespace cpplus {
