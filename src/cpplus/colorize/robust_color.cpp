@@ -30,6 +30,11 @@ Color mean_around(std::span<const WeightedColor> samples, const Color& center, f
 
 /// The sample with most votes, its own included.
 size_t most_supported(std::span<const WeightedColor> samples, float max_deviation) {
+  // Of most points all samples agree, and nothing needs to be counted.
+  const auto agrees_with_first = [&](const WeightedColor& s) {
+    return agree(samples[0].color, s.color, max_deviation);
+  };
+  if (std::all_of(samples.begin(), samples.end(), agrees_with_first)) return 0;
   std::vector<float> own_votes(samples.size()), votes(samples.size(), 0.0f);
   for (size_t i = 0; i < samples.size(); ++i) {
     own_votes[i] = std::sqrt(samples[i].weight);

@@ -31,21 +31,22 @@ void ViewSamplingOptions::validate() const {
 }
 
 Rgb bilinear(const ColorImage& image, const Eigen::Vector2d& pixel) {
-  const double x = std::clamp(pixel.x(), 0.0, image.width - 1.0);
-  const double y = std::clamp(pixel.y(), 0.0, image.height - 1.0);
+  const auto x = static_cast<float>(std::clamp(pixel.x(), 0.0, image.width - 1.0));
+  const auto y = static_cast<float>(std::clamp(pixel.y(), 0.0, image.height - 1.0));
   const int x0 = std::min(static_cast<int>(x), std::max(0, image.width - 2));
   const int y0 = std::min(static_cast<int>(y), std::max(0, image.height - 2));
   const int x1 = std::min(x0 + 1, image.width - 1);
   const int y1 = std::min(y0 + 1, image.height - 1);
-  const double right = x - x0;
-  const double down = y - y0;
+  const float right = x - static_cast<float>(x0);
+  const float down = y - static_cast<float>(y0);
   const Rgb &top_left = image.at(x0, y0), &top_right = image.at(x1, y0);
   const Rgb &bottom_left = image.at(x0, y1), &bottom_right = image.at(x1, y1);
-  const double weights[] = {(1 - right) * (1 - down), right * (1 - down), (1 - right) * down, right * down};
   Rgb color;
   for (size_t c = 0; c < 3; ++c) {
-    color[c] = static_cast<uint8_t>(weights[0] * top_left[c] + weights[1] * top_right[c] + weights[2] * bottom_left[c] +
-                                    weights[3] * bottom_right[c] + 0.5);
+    const float top = static_cast<float>(top_left[c]) + right * static_cast<float>(top_right[c] - top_left[c]);
+    const float bottom =
+        static_cast<float>(bottom_left[c]) + right * static_cast<float>(bottom_right[c] - bottom_left[c]);
+    color[c] = static_cast<uint8_t>(top + down * (bottom - top) + 0.5f);
   }
   return color;
 }
