@@ -15,28 +15,36 @@ constexpr int kFar = 16000;
 EdgelIndex::EdgelIndex(const ImageEdges& edges)
     : edges_(edges),
       edgel_at_(static_cast<size_t>(edges.width) * static_cast<size_t>(edges.height), -1),
-      occupied_(edgel_at_.size() / 64 + 1, 0) {
+      occupied_(edgel_at_.size() / 64 + 1, 0),
+      near_occupied_(occupied_.size(), 0) {
   for (size_t i = 0; i < edges.edgels.size(); ++i) {
     const int x = static_cast<int>(std::lround(edges.edgels[i].pixel.x()));
     const int y = static_cast<int>(std::lround(edges.edgels[i].pixel.y()));
     if (x < 0 || y < 0 || x >= edges.width || y >= edges.height) continue;
-    const size_t at = static_cast<size_t>(y) * static_cast<size_t>(edges.width) + static_cast<size_t>(x);
+    const size_t at = index_of(x, y);
     edgel_at_[at] = static_cast<int32_t>(i);
-    occupied_[at / 64] |= uint64_t{1} << (at % 64);
+    set(at, &occupied_);
+    for (int v = std::max(0, y - 1); v <= std::min(edges.height - 1, y + 1); ++v) {
+      for (int u = std::max(0, x - 1); u <= std::min(edges.width - 1, x + 1); ++u) set(index_of(u, v), &near_occupied_);
+    }
   }
 }
 
 template <typename Visit>
 void EdgelIndex::for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, double min_cos,
                                   const Visit& visit) const {
+  // No pixel abreast lies farther from that of the place than one row and column.
+  if (place.x() >= 0 && place.y() >= 0 && place.x() < edges_.width - 1 && place.y() < edges_.height - 1 &&
+      !is_set(index_of(static_cast<int>(place.x() + 0.5), static_cast<int>(place.y() + 0.5)), near_occupied_)) {
+    return;
+  }
   for (int side = -1; side <= 1; ++side) {
     // Rounded to the nearest pixel; compared before the conversion, which far numbers would overflow.
     const double x = place.x() - side * normal.y() + 0.5;
     const double y = place.y() + side * normal.x() + 0.5;
     if (!(x >= 0 && y >= 0 && x < edges_.width && y < edges_.height)) continue;
-    const size_t at =
-        static_cast<size_t>(static_cast<int>(y)) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x);
-    if (!(occupied_[at / 64] >> (at % 64) & 1)) continue;
+    const size_t at = index_of(static_cast<int>(x), static_cast<int>(y));
+    if (!is_set(at, occupied_)) continue;
     const uint32_t index = static_cast<uint32_t>(edgel_at_[at]);
     if (std::abs(edgel(index).normal.cast<double>().dot(normal)) >= min_cos) visit(index);
   }

@@ -28,14 +28,23 @@ class EdgelIndex {
   const ImageEdgel& edgel(uint32_t index) const { return edges_.edgels[index]; }
 
  private:
+  using Bits = std::vector<uint64_t>;  // one a pixel
+
+  size_t index_of(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x);
+  }
+  static bool is_set(size_t at, const Bits& bits) { return bits[at / 64] >> (at % 64) & 1; }
+  static void set(size_t at, Bits* bits) { (*bits)[at / 64] |= uint64_t{1} << (at % 64); }
+
   // Calls visit(index) for the edgels whose normal agrees at the three pixels abreast around a place.
   template <typename Visit>
   void for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, double min_cos,
                         const Visit& visit) const;
 
   const ImageEdges& edges_;
-  std::vector<int32_t> edgel_at_;   // per pixel; -1 = none
-  std::vector<uint64_t> occupied_;  // one bit a pixel: most have none, and the bits stay in the cache
+  std::vector<int32_t> edgel_at_;  // per pixel; -1 = none
+  Bits occupied_;                  // most pixels have none, and the bits stay in the cache
+  Bits near_occupied_;             // whether the pixel or one of its eight neighbours has one
 };
 
 /// Truncated distances to the nearest edgel of about the same direction, one field for each of kBins directions, on a

@@ -7,6 +7,10 @@
 namespace cpplus {
 namespace {
 
+// Change of the squared normalised residuals' sum below which a pose moves by less than a thirtieth of its standard
+// deviation.
+constexpr double kNoticeableCost = 1e-3;
+
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -88,6 +92,7 @@ PoseSolution solve_pose(const Camera& camera, const Rigid3& start_camera_from_ma
   const PoseResiduals residuals(camera, start_camera_from_map, matches, guess, loss_scale);
   ceres::TinySolver<PoseResiduals> solver;
   solver.options.max_num_iterations = max_iterations;
+  solver.options.function_tolerance = kNoticeableCost;
   Vector6d delta = Vector6d::Zero();
   solver.Solve(residuals, &delta);
   if (!delta.allFinite()) return {start_camera_from_map, solver.summary.iterations};

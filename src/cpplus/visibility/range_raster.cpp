@@ -54,22 +54,30 @@ Image<Surfel> dilate(const Image<Surfel>& in, float cell_px) {
   return out;
 }
 
-// The largest range within the square's width of the surfel that won a cell, as a column.
-void erode_rows(const Image<Surfel>& surfels, const RangeImage& in, float cell_px, RangeImage* transposed) {
+Image<uint8_t> transpose(const Image<uint8_t>& in) {
+  Image<uint8_t> out(in.height, in.width);
+  for (int y = 0; y < in.height; ++y) {
+    for (int x = 0; x < in.width; ++x) out.at(y, x) = in.at(x, y);
+  }
+  return out;
+}
+
+// The largest range within the square's width of the surfel that won a cell, as a column. `half` is half that width in
+// cells, 0 where no surfel did.
+RangeImage erode_rows(const Image<uint8_t>& half, const RangeImage& in) {
+  RangeImage transposed(in.height, in.width, kNoSurface);
   for (int y = 0; y < in.height; ++y) {
     const float* from = &in.at(0, y);
+    const uint8_t* half_of = &half.at(0, y);
     for (int x = 0; x < in.width; ++x) {
-      const Surfel surfel = surfels.at(x, y);
-      float farthest = kNoSurface;
-      if (surfel != kNothing) {
-        const int half = half_cells(spacing_of(surfel), cell_px);
-        const int last = std::min(in.width - 1, x + half);
-        farthest = 0.0f;
-        for (int u = std::max(0, x - half); u <= last; ++u) farthest = std::max(farthest, from[u]);
-      }
-      transposed->at(y, x) = farthest;
+      if (half_of[x] == 0) continue;
+      const int last = std::min(in.width - 1, x + half_of[x]);
+      float farthest = 0.0f;
+      for (int u = std::max(0, x - half_of[x]); u <= last; ++u) farthest = std::max(farthest, from[u]);
+      transposed.at(y, x) = farthest;
     }
   }
+  return transposed;
 }
 
 // The points of some leaves in the camera's frame, waiting for their projection.
@@ -190,22 +198,18 @@ RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const C
   }
   surfels = dilate(surfels, cell);
 
-  RangeImage dilated(width, height);
+  RangeImage dilated(width, height, kNoSurface);
+  Image<uint8_t> half(width, height, 0);
   raster.spacing_px = RangeImage(width, height, 0.0f);
   for (size_t i = 0; i < surfels.pixels.size(); ++i) {
     const Surfel surfel = surfels.pixels[i];
-    dilated.pixels[i] = surfel == kNothing ? kNoSurface : range_of(surfel);
-    if (surfel != kNothing) raster.spacing_px.pixels[i] = spacing_of(surfel);
+    if (surfel == kNothing) continue;
+    dilated.pixels[i] = range_of(surfel);
+    raster.spacing_px.pixels[i] = spacing_of(surfel);
+    half.pixels[i] = static_cast<uint8_t>(half_cells(spacing_of(surfel), cell));
   }
   // The squares' borders are taken away again, one axis after the other.
-  Image<Surfel> columns(height, width);
-  RangeImage eroded_columns(height, width);
-  raster.range = RangeImage(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) columns.at(y, x) = surfels.at(x, y);
-  }
-  erode_rows(surfels, dilated, cell, &eroded_columns);
-  erode_rows(columns, eroded_columns, cell, &raster.range);
+  raster.range = erode_rows(transpose(half), erode_rows(half, dilated));
   for (float& range : raster.range.pixels) {
     if (range == kNoSurface) range = 0.0f;
   }
