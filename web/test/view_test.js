@@ -111,7 +111,7 @@ try {
   const [same, other] = [await difference(cloudOnly, photoOnly), await difference(cloudOnly, otherPhoto)];
   assert.ok(same < 0.7 * other, `cloud against its photo ${same}, against another ${other}`);
 
-  // A drag looks around, the next photo is looked at straight again.
+  // A drag looks around; shown anew, the photo is looked at straight again.
   const direction = () => page.evaluate(() => window.cpplusViewer.stage.camera.quaternion.toArray());
   const straight = await direction();
   await page.mouse.move(600, 300);
@@ -122,7 +122,12 @@ try {
   const angle = 2 * Math.acos(Math.min(1, Math.abs(straight.reduce((sum, value, i) => sum + value * turned[i], 0))));
   assert.ok(angle > 0.02 && angle < 0.6, `turned by ${angle} rad`);
   assert.ok(await page.evaluate(() => window.cpplusViewer.photo.shown), 'a drag does not leave the photo');
-  await page.evaluate(() => { window.cpplusViewer.photo.step(1); window.cpplusViewer.photo.step(-1); });
+  await page.evaluate(() => {
+    const { photo } = window.cpplusViewer;
+    const { index } = photo;
+    photo.hide();
+    photo.show(index);
+  });
   assert.deepEqual(await direction(), straight);
 
   // The switch moves the camera to the coarse pose.
