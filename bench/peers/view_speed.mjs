@@ -62,7 +62,6 @@ try {
         return done({ frames_per_s: (1000 * frames) / (performance.now() - start), points_drawn_moving: drawn / frames });
       }
       camera.position.sub(controls.target).applyAxisAngle(stage.up, 0.02).add(controls.target);
-      stage.moved?.();
       stage.invalidate();
       frames += 1;
       drawn += cloud.numDrawn;
