@@ -92,6 +92,7 @@ Cases view_cases() {
                  {"--cloud", "DIR/empty.pcd", "--export", "DIR/out"})},
       {"viewer of a cloud without colours", on_good_result("view", {"--export", "DIR/out"})},
       {"photo to view that is corrupt", on_result("view", spoil_image, {"--export", "DIR/out"})},
+      {"viewer below a file", on_good_result("view", {"--export", "DIR/map.pcd/out"})},
       {"port of the viewer out of range", on_good_result("view", {"--port", "70000"})},
       {"size of photos out of range", on_good_result("view", {"--photo-size-px", "10"})},
   };

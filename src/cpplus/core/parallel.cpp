@@ -4,7 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "cpplus/core/interrupt.h"
@@ -16,6 +19,32 @@ std::unique_ptr<tbb::global_control>& thread_limit() {
   static std::unique_ptr<tbb::global_control> limit;
   return limit;
 }
+
+// The exception of the least index that throws. Indices above it need not be run any more, those below it must be, so
+// that it is the same one whatever thread comes first.
+class FirstFailure {
+ public:
+  explicit FirstFailure(size_t none) : index_(none) {}
+
+  size_t index() const { return index_.load(std::memory_order_relaxed); }
+
+  /// Takes the exception that is being handled.
+  void add(size_t index) {
+    const std::lock_guard lock(mutex_);
+    if (index >= index_.load()) return;
+    index_ = index;
+    exception_ = std::current_exception();
+  }
+
+  void rethrow() const {
+    if (exception_) std::rethrow_exception(exception_);
+  }
+
+ private:
+  std::atomic<size_t> index_;
+  std::mutex mutex_;
+  std::exception_ptr exception_;
+};
 
 }  // namespace
 
@@ -38,15 +67,21 @@ void parallel_for_chunks(size_t size, size_t grain, const std::function<void(siz
 }
 
 void parallel_for_each(size_t size, const std::function<void(size_t)>& body) {
+  FirstFailure failure(size);
   tbb::parallel_for(
       tbb::blocked_range<size_t>(0, size, 1),
       [&](const tbb::blocked_range<size_t>& range) {
-        for (size_t i = range.begin(); i != range.end(); ++i) {
-          check_interrupt();
-          body(i);
+        for (size_t i = range.begin(); i != range.end() && i < failure.index(); ++i) {
+          try {
+            check_interrupt();
+            body(i);
+          } catch (...) {
+            failure.add(i);
+          }
         }
       },
       tbb::simple_partitioner());
+  failure.rethrow();
 }
 
 }  // namespace cpplus

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -87,6 +89,26 @@ TEST_F(Parallel, RethrowsExceptions) {
                                    if (i == 7) throw std::runtime_error("seven");
                                  }),
                std::runtime_error);
+}
+
+TEST_F(Parallel, RethrowsTheExceptionOfTheLeastIndexWhicheverComesFirst) {
+  for (int threads : {1, 2, 4}) {
+    set_num_threads(threads);
+    std::vector<std::atomic<int>> calls(200);
+    try {
+      parallel_for_each(calls.size(), [&](size_t i) {
+        ++calls[i];
+        if (i < 30) return;
+        // The first one is the slowest, so that others come before it.
+        if (i == 30) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        throw std::runtime_error(std::to_string(i));
+      });
+      FAIL() << threads << " threads";
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "30") << threads << " threads";
+    }
+    for (size_t i = 0; i <= 30; ++i) EXPECT_EQ(calls[i], 1) << i;
+  }
 }
 
 }  // namespace

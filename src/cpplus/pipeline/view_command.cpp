@@ -33,13 +33,13 @@ std::string find_cloud(const std::string& given_folder, const RefineResult& resu
   const fs::path parent = fs::absolute(result.folder).lexically_normal().parent_path();
   for (const fs::path& folder : {fs::path(given_folder), fs::path(result.folder), parent}) {
     for (const char* name : {"coloured", "colored"}) {
-      for (const char* extension : {".ply", ".pcd", ".las"}) {
+      for (const char* extension : {".ply", ".pcd", ".las", ".vox"}) {
         const fs::path path = folder / (name + std::string(extension));
         if (fs::is_regular_file(path)) return path.string();
       }
     }
   }
-  log_warning(fmt::format("{}: no coloured.ply, .pcd or .las; showing the map without colours", given_folder));
+  log_warning(fmt::format("{}: no coloured.ply, .pcd, .las or .vox; showing the map without colours", given_folder));
   return result.inputs.map;
 }
 

@@ -8,7 +8,7 @@
 namespace cpplus {
 
 struct ViewCommandOptions {
-  /// Coloured point cloud; "" = one in the folder, else `coloured.*` beside the result, else the map.
+  /// Coloured point cloud or voxel map file; "" = one in the folder, else `coloured.*` beside the result, else the map.
   std::string cloud;
   /// Images and coarse model that `refine` had; "" = where report.json says that they are.
   std::string images;
@@ -23,7 +23,7 @@ struct ViewCommandOptions {
   void validate() const;
   template <typename Visitor>
   void visit(Visitor& visitor) {
-    visitor("cloud", cloud, "Coloured point cloud; empty = coloured.ply, .pcd or .las with the result, else its map.");
+    visitor("cloud", cloud, "Coloured cloud; empty = coloured.ply, .pcd, .las or .vox with the result, else its map.");
     visitor("images", images, "Folder of the images; empty = where report.json says.");
     visitor("poses", poses, "COLMAP model folder of the coarse poses; empty = where report.json says.");
     visitor("port", port, "Port of the server on 127.0.0.1; 0 = any that is free. [0, 65535]");

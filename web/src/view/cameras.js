@@ -4,16 +4,25 @@ import { bearings, corners, matrixOf, placeOf, rotationOf } from './poses.js';
 
 const PICK_RADIUS_PX = 14;
 const OTHER_COLOR = '#8a929a';
+const GLOBE_RADIUS = 0.3, GLOBE_STEPS = 16;
 
-/** Points of a wire frame in the frame of the camera, two a line, one metre deep. Lenses without corners get a cross. */
+/** For lenses that see too much for a pyramid: a globe, and a line ahead whose tick at the end points up. */
+function globe() {
+  const circle = (place) => Array.from({ length: GLOBE_STEPS }, (_, i) => [i, i + 1]).flat().map((step) => {
+    const angle = (2 * Math.PI * step) / GLOBE_STEPS;
+    return place(GLOBE_RADIUS * Math.cos(angle), GLOBE_RADIUS * Math.sin(angle));
+  });
+  const end = new Vector3(0, 0, 1);
+  return [
+    ...circle((u, v) => new Vector3(u, 0, v)), ...circle((u, v) => new Vector3(0, u, v)), ...circle((u, v) => new Vector3(u, v, 0)),
+    new Vector3(), end, end, new Vector3(0, -0.2, 0.9),
+  ];
+}
+
+/** Points of a wire frame in the frame of the camera, two a line, one metre deep. */
 function wireOf(grid) {
   const around = corners(grid);
-  // Wide views would give pyramids without end.
-  const usable = around.every((corner) => corner && corner.z > 0.25);
-  if (!usable) {
-    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...axis).multiplyScalar(0.6));
-    return axes.flatMap((axis) => [axis.clone().negate(), axis]);
-  }
+  if (!around.every((corner) => corner && corner.z > 0.25)) return globe();
   const ends = around.map((corner) => corner.clone().divideScalar(corner.z));
   const lines = [];
   ends.forEach((end, i) => { lines.push(new Vector3(), end, end, ends[(i + 1) % 4]); });

@@ -73,7 +73,7 @@ export function makePanel({ view, stage, cloud, cameras, photo, measure }) {
     slider('detail', -8, -1, 0.25, -2.5, (px) => { cloud.detail = -px; }),
     element('div', { class: 'buttons' }, measuring, element('button', { click: () => { photo.hide(); cameras.frame(); } }, 'show all')),
     hint,
-    element('p', { class: 'muted small' }, 'Drag turns, right drag moves, wheel zooms. Click a camera for its photo; ← → next, R coarse or refined, Esc back.'));
+    element('p', { class: 'muted small' }, 'Drag turns, right drag moves, wheel zooms. Click a camera for its photo: drag looks around, ← → next, R coarse or refined, Esc back.'));
   const status = document.getElementById('status');
   return {
     update() {

@@ -1,6 +1,7 @@
 import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial, NoColorSpace, TextureLoader } from 'three';
 import { element } from '../report/dom.js';
 import { VERDICTS, fixed } from '../report/words.js';
+import { makeLook } from './look.js';
 import { matrixOf, placeOf, viewRotationOf } from './poses.js';
 
 const MAX_FOV_DEG = 95;
@@ -46,6 +47,7 @@ export function makePhoto(stage, view, cameras) {
   stage.scene.add(surface);
   const loader = new TextureLoader();
   const state = { index: null, opacity: 0.6, home: null, ready: false };
+  const look = makeLook(stage, () => state.index !== null);
 
   function goToPose() {
     stage.cutAbove(null);
@@ -53,9 +55,7 @@ export function makePhoto(stage, view, cameras) {
     const pose = cameras.poseOf(state.index);
     const rays = cameras.bearingsOf(image);
     stage.camera.position.copy(placeOf(pose));
-    stage.camera.quaternion.copy(viewRotationOf(pose));
-    stage.camera.fov = fittingFov(rays, stage.camera.aspect);
-    stage.camera.updateProjectionMatrix();
+    look.use(viewRotationOf(pose), fittingFov(rays, stage.camera.aspect));
     surface.matrixAutoUpdate = false;
     surface.matrix.copy(matrixOf(pose));
     surface.matrixWorldNeedsUpdate = true;
@@ -89,7 +89,7 @@ export function makePhoto(stage, view, cameras) {
     bar.replaceChildren(
       element('button', { click: () => photo.step(-1), 'aria-label': 'previous photo' }, '‹'),
       element('button', { click: () => photo.step(1), 'aria-label': 'next photo' }, '›'),
-      element('b', {}, image.name),
+      element('b', { title: image.name }, image.name),
       element('span', { class: `badge ${image.status}` }, VERDICTS[image.status].label + (image.status === 'refined' ? ` · ${fixed(image.shift)} px` : '')),
       element('span', { class: 'muted' }, `${cameras.kind} pose`),
       element('label', {}, 'cloud', slider, 'photo'),
@@ -107,6 +107,7 @@ export function makePhoto(stage, view, cameras) {
       }
       const isOther = state.index !== index;
       state.index = index;
+      if (isOther) look.reset();
       stage.controls.enabled = false;
       cameras.shown = false;
       cameras.trailShown = false;
