@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -85,8 +86,9 @@ struct RefinePoseResult {
   /// the prior knows a direction better than the edges.
   Vector6d information_eigenvalues = Vector6d::Zero();
   std::vector<std::string> weak_directions;
-  /// By how many pixels the surface that the image sees is expected to be off, by the covariance.
-  double predicted_shift_px = 0.0;
+  /// By how many pixels the surface that the image sees is expected to be off, by the covariance; infinite where nothing
+  /// says so, as of an image on its own.
+  double predicted_shift_px = std::numeric_limits<double>::infinity();
 };
 
 /// Aligns one image with the map's edges: minimises, along the image edges' normals, the distance between projected

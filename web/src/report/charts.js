@@ -38,7 +38,7 @@ export function showCharts(report) {
   const judged = report.images.filter((image) => image.held_out_after.samples > 0);
   const limit = shiftLimit(report);
   const bins = 20;
-  const counts = histogram(placed.map((image) => image.predicted_shift_px), limit, bins);
+  const counts = histogram(placed.map((image) => image.predicted_shift_px).filter((shift) => shift !== null), limit, bins);
   makeChart('shift-chart', (colors) => bars(labels(limit, bins, 1), [{
     name: 'photos', data: counts.map((value, i) => ({ value, itemStyle: { color: shiftColor(((i + 0.5) * limit) / bins, limit) } })),
   }], colors));

@@ -68,7 +68,7 @@ function tooltip({ data }) {
   const image = data.image;
   const box = element('div', { class: 'tip' }, image.pictures ? element('img', { src: image.pictures[0], alt: '' }) : '',
     element('b', {}, image.name), element('div', {}, VERDICTS[image.status].label
-      + (isPlaced(image) ? `, expected shift ${fixed(image.predicted_shift_px)} px` : '')),
+      + (isPlaced(image) && image.predicted_shift_px !== null ? `, expected shift ${fixed(image.predicted_shift_px)} px` : '')),
     element('div', {}, image.moved_m ? `moved ${length(image.moved_m)}, ${fixed(image.moved_deg)}°` : image.reason));
   return box;
 }

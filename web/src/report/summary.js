@@ -14,7 +14,8 @@ function cards(report) {
 
 function sureText(report, placed) {
   const shifts = placed.map((image) => image.predicted_shift_px).filter((shift) => shift !== null);
-  if (shifts.length === 0) return 'No photo could be placed better than by its coarse pose.';
+  if (placed.length === 0) return 'No photo could be placed better than by its coarse pose.';
+  if (shifts.length === 0) return 'Each photo was placed on its own: how far off it may be is not known.';
   const limit = shiftLimit(report);
   let text = `Half of the placed photos are expected to be off by at most ${fixed(median(shifts))} px, the least sure by `
     + `${fixed(Math.max(...shifts))} px. `;

@@ -90,7 +90,7 @@ export function makePhoto(stage, view, cameras) {
       element('button', { click: () => photo.step(-1), 'aria-label': 'previous photo' }, '‹'),
       element('button', { click: () => photo.step(1), 'aria-label': 'next photo' }, '›'),
       element('b', { title: image.name }, image.name),
-      element('span', { class: `badge ${image.status}` }, VERDICTS[image.status].label + (image.status === 'refined' ? ` · ${fixed(image.shift)} px` : '')),
+      element('span', { class: `badge ${image.status}` }, VERDICTS[image.status].label + (image.status === 'refined' && image.shift !== null ? ` · ${fixed(image.shift)} px` : '')),
       element('span', { class: 'muted' }, `${cameras.kind} pose`),
       element('label', {}, 'cloud', slider, 'photo'),
       element('button', { click: () => photo.hide() }, 'back'));
