@@ -2,7 +2,8 @@
 """Scale benchmark: how time and memory of `cpplus index`, `refine` and `colorize` grow with the map.
 
 A simulated world is laid out again and again on a grid, far enough apart that its images see the first copy alone; so the
-map grows while what an image sees stays the same. Writes OUT/scale.json and OUT/scale.md. Memory is the anonymous
+map grows while what an image sees stays the same. With --spread every copy has its images, whose number grows with the
+map. Writes OUT/scale.json and OUT/scale.md (scale_spread). Memory is the anonymous
 memory of the process at its highest: what it holds itself, without the pages of mapped files, which the system may drop.
 Needs nothing but Python's standard library."""
 
@@ -40,25 +41,62 @@ def read_pcd(path):
     return header, values, len(fields)
 
 
+def copy_offsets(size, copies):
+    """Where each copy lies, x and y, on a square grid."""
+    columns = next(n for n in range(1, copies + 1) if n * n >= copies)
+    return [(copy % columns * size[0], copy // columns * size[1]) for copy in range(copies)]
+
+
 def write_copies(source, target, copies):
-    """The cloud `copies` times on a square grid in x and y. Returns the number of points."""
+    """The cloud `copies` times. Returns the number of points and the offsets of the copies."""
     header, values, width = read_pcd(source)
     count = len(values) // width
     size = [max(values[axis::width]) - min(values[axis::width]) + GAP_M for axis in range(2)]
-    columns = next(n for n in range(1, copies + 1) if n * n >= copies)
+    offsets = copy_offsets(size, copies)
     total = str(copies * count)
     changed = {"WIDTH": total, "POINTS": total, "HEIGHT": "1"}
     with open(target, "wb") as file:
         for line in header:
             key = line.split(" ")[0]
             file.write((f"{key} {changed[key]}" if key in changed else line).encode() + b"\n")
-        for copy in range(copies):
+        for offset in offsets:
             moved = array.array("f", values)
-            for axis, steps in ((0, copy % columns), (1, copy // columns)):
-                if steps:
-                    moved[axis::width] = array.array("f", (v + steps * size[axis] for v in values[axis::width]))
+            for axis in range(2):
+                if offset[axis]:
+                    moved[axis::width] = array.array("f", (v + offset[axis] for v in values[axis::width]))
             file.write(moved.tobytes())
-    return copies * count
+    return copies * count, offsets
+
+
+def rotate(quaternion_wxyz, vector):
+    w, x, y, z = quaternion_wxyz
+    rows = ((1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
+    return [sum(a * b for a, b in zip(row, vector)) for row in rows]
+
+
+def write_spread_images(world, folder, offsets):
+    """Links to the world's images in a folder a copy, folder/images/COPY/NAME, and folder/coarse with their poses."""
+    (folder / "coarse").mkdir(parents=True, exist_ok=True)
+    coarse = world / "coarse_small"
+    (folder / "coarse" / "cameras.txt").write_bytes((coarse / "cameras.txt").read_bytes())
+    (folder / "coarse" / "points3D.txt").write_text("")
+    lines = [line.split() for line in (coarse / "images.txt").read_text().splitlines()
+             if line and not line.startswith("#")]
+    posed = [words for words in lines if len(words) == 10]
+    with open(folder / "coarse" / "images.txt", "w") as file:
+        for copy, offset in enumerate(offsets):
+            link = folder / "images" / f"{copy:03d}"
+            link.parent.mkdir(exist_ok=True)
+            if not link.is_symlink():
+                link.symlink_to((world / "images").resolve())
+            for k, words in enumerate(posed):
+                # x_in_camera = R x + t is to stay the same for x + offset.
+                turned = rotate([float(word) for word in words[1:5]], (*offset, 0.0))
+                moved = [repr(float(t) - r) for t, r in zip(words[5:8], turned)]
+                image_id = str(copy * len(posed) + k + 1)
+                file.write(" ".join([image_id, *words[1:5], *moved, words[8], f"{copy:03d}/{words[9]}"]) + "\n\n")
 
 
 def anonymous_mb(pid):
@@ -90,20 +128,27 @@ def run(log, *command):
     return {"seconds": time.monotonic() - begin, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_mb}
 
 
-def measure(program, world, out, copies, threads):
-    folder = out / f"x{copies}"
+def measure(program, world, out, copies, threads, spread):
+    folder = out / f"{'spread' if spread else 'x'}{copies}"
     folder.mkdir(parents=True, exist_ok=True)
     cloud = folder / "map.pcd"
-    row = {"copies": copies, "points": write_copies(world / "map.pcd", cloud, copies)}
+    points, offsets = write_copies(world / "map.pcd", cloud, copies)
+    row = {"copies": copies, "points": points}
+    images, coarse = (world / "images", world / "coarse_small")
+    stamps = ["--stamps", world / "stamps.txt"]
+    if spread:
+        write_spread_images(world, folder, offsets)
+        images, coarse, stamps = folder / "images", folder / "coarse", []  # the sequence jumps from copy to copy
     index = folder / "map.vox"
     common = ["--quiet", "--threads", threads]
-    inputs = ["--map", index, "--images", world / "images"]
+    inputs = ["--map", index, "--images", images]
     row["index"] = run(folder / "index.log", program, "index", cloud, "--out", index, *common)
     cloud.unlink()
-    row["refine"] = run(folder / "refine.log", program, "refine", *inputs, "--poses", world / "coarse_small", "--out",
-                        folder / "refined", "--stamps", world / "stamps.txt", *common)
-    images = json.loads((folder / "refined" / "report.json").read_text())["images"]
-    row["image_ms"] = sum(image["milliseconds"]["total"] for image in images) / len(images)
+    row["refine"] = run(folder / "refine.log", program, "refine", *inputs, "--poses", coarse, "--out",
+                        folder / "refined", *stamps, *common)
+    reports = json.loads((folder / "refined" / "report.json").read_text())["images"]
+    row["images"] = len(reports)
+    row["image_ms"] = sum(report["milliseconds"]["total"] for report in reports) / len(reports)
     row["colorize"] = run(folder / "colorize.log", program, "colorize", *inputs, "--poses",
                           folder / "refined" / "sparse", "--out", folder / "colored.pcd", *common)
     index.unlink()
@@ -112,12 +157,13 @@ def measure(program, world, out, copies, threads):
 
 
 def table(rows):
-    lines = ["| million points | index s (CPU), MB | refine s (CPU), MB | ms an image | colorize s (CPU), MB |",
-             "|--:|--:|--:|--:|--:|"]
+    lines = ["| million points | images | index s (CPU), MB | refine s (CPU), MB | ms an image | colorize s (CPU), MB |",
+             "|--:|--:|--:|--:|--:|--:|"]
     for row in rows:
         cells = [f"{row[stage]['seconds']:.1f} ({row[stage]['cpu_seconds']:.1f}), {row[stage]['peak_mb']:.0f}"
                  for stage in ("index", "refine", "colorize")]
-        lines.append(f"| {row['points'] / 1e6:.1f} | {cells[0]} | {cells[1]} | {row['image_ms']:.0f} | {cells[2]} |")
+        lines.append(f"| {row['points'] / 1e6:.1f} | {row['images']} | {cells[0]} | {cells[1]} | {row['image_ms']:.0f} | "
+                     f"{cells[2]} |")
     return "\n".join(lines) + "\n"
 
 
@@ -127,6 +173,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path, help="folder for worlds, logs and tables")
     parser.add_argument("--copies", default="1,10,50", help="sizes of the map in copies of the world (default 1,10,50)")
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--spread", action="store_true", help="every copy has its images, not the first one alone")
     settings = parser.parse_args()
     program = settings.build / "apps" / "cpplus"
     world = settings.out / "world"
@@ -136,11 +183,12 @@ def main():
         if not (world / "map.pcd").exists():
             run(settings.out / "simulate.log", program, "simulate", "--scene", "rooms", "--seed", 1, "--out", world)
         for copies in (int(text) for text in settings.copies.split(",")):
-            rows.append(measure(program, world, settings.out, copies, settings.threads))
+            rows.append(measure(program, world, settings.out, copies, settings.threads, settings.spread))
             report = {"date": datetime.date.today().isoformat(), "machine": platform.processor() or platform.machine(),
                       "threads": settings.threads, "rows": rows}
-            (settings.out / "scale.json").write_text(json.dumps(report, indent=1) + "\n")
-            (settings.out / "scale.md").write_text(table(rows))
+            name = "scale_spread" if settings.spread else "scale"
+            (settings.out / f"{name}.json").write_text(json.dumps(report, indent=1) + "\n")
+            (settings.out / f"{name}.md").write_text(table(rows))
             print(table(rows[-1:]).splitlines()[-1], flush=True)
     except (RunFailed, OSError) as error:
         print(f"scale.py: {error}", file=sys.stderr)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "cpplus/colorize/cell_bearings.h"
@@ -19,10 +20,6 @@
 
 namespace cpplus {
 namespace {
-
-constexpr uint8_t kMidGray = 128;
-/// Darker than most of what images show, so that points without a colour do not look like white walls.
-constexpr double kBrightestGray = 160.0;
 
 /// Offers a view to the points of one root. Samples are kept by map order, so that roots touch disjoint runs.
 void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
@@ -49,24 +46,9 @@ void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32
   }
 }
 
-/// Grey levels for points that no image shows: intensities with their 99th percentile at kBrightestGray.
-std::vector<Rgb> gray_of_intensities(const PointCloud& cloud) {
-  std::vector<Rgb> colors(cloud.size(), Rgb{kMidGray, kMidGray, kMidGray});
-  if (cloud.intensities.empty()) return colors;
-  std::vector<float> sorted;
-  std::copy_if(cloud.intensities.begin(), cloud.intensities.end(), std::back_inserter(sorted),
-               [](float intensity) { return std::isfinite(intensity); });
-  if (sorted.empty()) return colors;
-  const auto percentile = sorted.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), percentile, sorted.end());
-  const double brightest = *percentile;
-  if (!(brightest > 0.0)) return colors;
-  for (size_t i = 0; i < colors.size(); ++i) {
-    if (!std::isfinite(cloud.intensities[i])) continue;
-    const auto gray =
-        static_cast<uint8_t>(std::lround(kBrightestGray * std::clamp(cloud.intensities[i] / brightest, 0.0, 1.0)));
-    colors[i] = {gray, gray, gray};
-  }
+std::vector<Rgb> gray_of_points(const PointCloud& cloud, const GrayScale& grays) {
+  std::vector<Rgb> colors(cloud.size(), grays.gray());
+  for (size_t i = 0; i < cloud.intensities.size(); ++i) colors[i] = grays.gray(cloud.intensities[i]);
   return colors;
 }
 
@@ -142,11 +124,17 @@ void ColorizeOptions::validate() const {
 
 ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
                         const ColorizeOptions& options) {
+  const GrayScale grays(cloud.intensities);
+  return colorize(std::move(cloud), map, next_view, options, grays);
+}
+
+ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
+                        const ColorizeOptions& options, const GrayScale& grays) {
   options.validate();
   ColorizeResult result;
   const ColorSamples samples = collect_samples(map, next_view, options, &result.images);
   const ExposureCorrection correction = equalize_exposure(samples, options.exposure, &result);
-  cloud.colors = gray_of_intensities(cloud);
+  cloud.colors = gray_of_points(cloud, grays);
   cloud.num_views.assign(cloud.size(), 0);
   cloud.best_images.assign(cloud.size(), 0);
   cloud.color_spreads.assign(cloud.size(), 0);

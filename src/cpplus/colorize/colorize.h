@@ -10,6 +10,7 @@
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/cloud/voxel_map.h"
 #include "cpplus/colorize/exposure.h"
+#include "cpplus/colorize/gray_scale.h"
 #include "cpplus/colorize/view_sampler.h"
 
 namespace cpplus {
@@ -50,8 +51,8 @@ struct ColorizedImage {
 
 struct ColorizeResult {
   /// The input's points in the input's order and with its other attributes; `colors`, `num_views`, `best_images` and
-  /// `color_spreads` are new. A point that no image shows has 0 in the last three and the grey of its intensity (of
-  /// mid-grey without intensities).
+  /// `color_spreads` are new. A point that no image shows has 0 in the last three and the grey of its intensity
+  /// (GrayScale).
   PointCloud cloud;
   std::vector<ColorizedImage> images;               // in the order of the views
   std::map<uint32_t, CameraVignetting> vignetting;  // by camera id
@@ -65,5 +66,8 @@ struct ColorizeResult {
 /// memory is the cloud plus 3 + 8 * max_samples bytes a point. The result does not depend on the number of threads.
 ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
                         const ColorizeOptions& options);
+/// The same of a part of a cloud: `grays` are those of the whole.
+ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
+                        const ColorizeOptions& options, const GrayScale& grays);
 
 }  // namespace cpplus

@@ -78,6 +78,75 @@ class LasSource : public CloudSource {
   std::optional<int> color_shift_;
 };
 
+/// The extra bytes of a cloud's points: their description, and how many they are.
+struct ExtraBytes {
+  std::vector<uint8_t> entries;
+  size_t size = 0;
+
+  /// `type`: as LAS 1.4 numbers them: 1 uint8, 3 uint16, 5 uint32.
+  void add(uint8_t type, size_t num_bytes, const std::string& name, const std::string& description) {
+    const size_t start = entries.size();
+    entries.resize(start + kExtraBytesEntrySize, 0);
+    entries[start + 2] = type;
+    std::copy(name.begin(), name.end(), entries.begin() + static_cast<std::ptrdiff_t>(start + 4));
+    std::copy(description.begin(), description.end(), entries.begin() + static_cast<std::ptrdiff_t>(start + 160));
+    size += num_bytes;
+  }
+};
+
+ExtraBytes extra_bytes_of(const PointCloud& cloud) {
+  ExtraBytes extra;
+  if (!cloud.num_views.empty()) extra.add(3, 2, "num_views", "images that see the point");
+  if (!cloud.best_images.empty()) extra.add(5, 4, "best_image", "id of the image that counts");
+  if (!cloud.color_spreads.empty()) extra.add(1, 1, "color_spread", "RMS of images, grey levels");
+  return extra;
+}
+
+/// What the header says of all points, from a first pass over them.
+struct Survey {
+  PointCloud front;  // the first block without its points: origin and LAS frame
+  size_t num_points = 0;
+  Eigen::Vector3f lowest = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity());
+  Eigen::Vector3f highest = Eigen::Vector3f::Constant(-std::numeric_limits<float>::infinity());
+  bool has_stamps = false;
+  bool has_colors = false;
+  ExtraBytes extra;
+  bool any_intensity_fraction = false;
+  bool all_intensities_are_shares = true;  // in [0, 1]
+
+  double intensity_scale() const { return all_intensities_are_shares && any_intensity_fraction ? 65535.0 : 1.0; }
+};
+
+void survey_block(const std::string& path, const PointCloud& block, Survey* survey) {
+  for (const Eigen::Vector3f& position : block.positions) {
+    if (!position.allFinite()) throw Error(fmt::format("{}: cannot write a point that is not finite to LAS", path));
+    survey->lowest = survey->lowest.cwiseMin(position);
+    survey->highest = survey->highest.cwiseMax(position);
+  }
+  for (const float intensity : block.intensities) {
+    survey->all_intensities_are_shares &= intensity >= 0.0f && intensity <= 1.0f;
+    survey->any_intensity_fraction |= intensity > 0.0f && intensity < 1.0f;
+  }
+}
+
+Survey survey_points(const std::string& path, const CloudStream& cloud) {
+  Survey survey;
+  survey.num_points = cloud.num_points;
+  bool is_first = true;
+  cloud.for_each_block([&](const PointCloud& block) {
+    if (is_first) {
+      survey.front.origin = block.origin;
+      survey.front.las_frame = block.las_frame;
+      survey.has_stamps = !block.stamps_s.empty();
+      survey.has_colors = !block.colors.empty();
+      survey.extra = extra_bytes_of(block);
+    }
+    is_first = false;
+    survey_block(path, block, &survey);
+  });
+  return survey;
+}
+
 /// The grid of the output and the cloud's extent on it.
 struct Grid {
   LasFrame frame;
@@ -90,52 +159,40 @@ struct Grid {
   }
 };
 
-bool fits(const PointCloud& cloud, const Eigen::Vector3f& lowest, const Eigen::Vector3f& highest, const Grid& grid) {
+bool fits(const Survey& survey, const Grid& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     constexpr double kLimit = std::numeric_limits<int32_t>::max();
-    if (!(grid.steps(cloud, lowest, axis) >= -kLimit && grid.steps(cloud, highest, axis) <= kLimit)) return false;
+    if (!(grid.steps(survey.front, survey.lowest, axis) >= -kLimit &&
+          grid.steps(survey.front, survey.highest, axis) <= kLimit)) {
+      return false;
+    }
   }
   return true;
 }
 
-Grid choose_grid(const std::string& path, const PointCloud& cloud) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  Eigen::Vector3f lowest = Eigen::Vector3f::Constant(kInfinity);
-  Eigen::Vector3f highest = -lowest;
-  for (const Eigen::Vector3f& position : cloud.positions) {
-    if (!position.allFinite()) throw Error(fmt::format("{}: cannot write a point that is not finite to LAS", path));
-    lowest = lowest.cwiseMin(position);
-    highest = highest.cwiseMax(position);
-  }
+Grid choose_grid(const std::string& path, const Survey& survey) {
   Grid grid;
-  if (cloud.las_frame) {
-    grid.frame = *cloud.las_frame;
+  if (survey.front.las_frame) {
+    grid.frame = *survey.front.las_frame;
   } else {
     grid.frame.scale.setConstant(kDefaultScale);
-    grid.frame.offset = cloud.origin;
+    grid.frame.offset = survey.front.origin;
   }
-  if (cloud.empty()) return grid;
-  if (!fits(cloud, lowest, highest, grid)) {
-    grid.frame.offset = cloud.origin;
-    if (!fits(cloud, lowest, highest, grid)) {
+  if (survey.num_points == 0) return grid;
+  if (!fits(survey, grid)) {
+    grid.frame.offset = survey.front.origin;
+    if (!fits(survey, grid)) {
       throw Error(fmt::format("{}: an extent of {:.0f} m does not fit into LAS coordinates with a scale of {} m", path,
-                              (highest - lowest).maxCoeff(), grid.frame.scale.minCoeff()));
+                              (survey.highest - survey.lowest).maxCoeff(), grid.frame.scale.minCoeff()));
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
-    grid.min[axis] = grid.steps(cloud, lowest, axis) * grid.frame.scale[axis] + grid.frame.offset[axis];
-    grid.max[axis] = grid.steps(cloud, highest, axis) * grid.frame.scale[axis] + grid.frame.offset[axis];
+    const double scale = grid.frame.scale[axis];
+    const double offset = grid.frame.offset[axis];
+    grid.min[axis] = grid.steps(survey.front, survey.lowest, axis) * scale + offset;
+    grid.max[axis] = grid.steps(survey.front, survey.highest, axis) * scale + offset;
   }
   return grid;
-}
-
-double intensity_factor(const std::vector<float>& intensities) {
-  bool any_fraction = false;
-  for (const float intensity : intensities) {
-    if (!(intensity >= 0.0f && intensity <= 1.0f)) return 1.0;
-    any_fraction = any_fraction || (intensity > 0.0f && intensity < 1.0f);
-  }
-  return any_fraction ? 65535.0 : 1.0;
 }
 
 uint16_t to_uint16(double value) {
@@ -161,30 +218,6 @@ void put_record(ByteWriter* writer, const LasRecord& record) {
   writer->put_bytes(reinterpret_cast<const char*>(record.content.data()), record.content.size());
 }
 
-/// The extra bytes of a cloud's points: their description, and how many they are.
-struct ExtraBytes {
-  std::vector<uint8_t> entries;
-  size_t size = 0;
-
-  /// `type`: as LAS 1.4 numbers them: 1 uint8, 3 uint16, 5 uint32.
-  void add(uint8_t type, size_t num_bytes, const std::string& name, const std::string& description) {
-    const size_t start = entries.size();
-    entries.resize(start + kExtraBytesEntrySize, 0);
-    entries[start + 2] = type;
-    std::copy(name.begin(), name.end(), entries.begin() + static_cast<std::ptrdiff_t>(start + 4));
-    std::copy(description.begin(), description.end(), entries.begin() + static_cast<std::ptrdiff_t>(start + 160));
-    size += num_bytes;
-  }
-};
-
-ExtraBytes extra_bytes_of(const PointCloud& cloud) {
-  ExtraBytes extra;
-  if (!cloud.num_views.empty()) extra.add(3, 2, "num_views", "images that see the point");
-  if (!cloud.best_images.empty()) extra.add(5, 4, "best_image", "id of the image that counts");
-  if (!cloud.color_spreads.empty()) extra.add(1, 1, "color_spread", "RMS of images, grey levels");
-  return extra;
-}
-
 LasRecord extra_bytes_record(const ExtraBytes& extra) {
   LasRecord record;
   record.user_id = "LASF_Spec";
@@ -198,18 +231,18 @@ constexpr uint16_t kWktEncodingBit = 0x10;
 
 /// Formats 0 to 3 (stamps +1, colour +2) are what every program reads. A coordinate system in WKT and more than 2^32 -
 /// 1 points ask for the newer 6 (stamps) and 7 (stamps and colour).
-int choose_point_format(const PointCloud& cloud, const LasFrame& frame) {
+int choose_point_format(const Survey& survey, const LasFrame& frame) {
   const bool is_new =
-      (frame.global_encoding & kWktEncodingBit) != 0 || cloud.size() > std::numeric_limits<uint32_t>::max();
-  if (is_new) return cloud.colors.empty() ? 6 : 7;
-  return (cloud.stamps_s.empty() ? 0 : 1) + (cloud.colors.empty() ? 0 : 2);
+      (frame.global_encoding & kWktEncodingBit) != 0 || survey.num_points > std::numeric_limits<uint32_t>::max();
+  if (is_new) return survey.has_colors ? 7 : 6;
+  return (survey.has_stamps ? 1 : 0) + (survey.has_colors ? 2 : 0);
 }
 
-void put_header(const PointCloud& cloud, const Grid& grid, int point_format, size_t record_size,
+void put_header(uint64_t num_points, const Grid& grid, int point_format, size_t record_size,
                 const std::vector<LasRecord>& records, ByteWriter* writer) {
   size_t points_offset = kHeaderSize;
   for (const LasRecord& record : records) points_offset += kRecordHeaderSize + record.content.size();
-  const uint64_t legacy_count = point_format < 6 ? cloud.size() : 0;
+  const uint64_t legacy_count = point_format < 6 ? num_points : 0;
   writer->put_bytes("LASF", 4);
   writer->put<uint16_t>(0);
   writer->put<uint16_t>(grid.frame.global_encoding);
@@ -234,8 +267,8 @@ void put_header(const PointCloud& cloud, const Grid& grid, int point_format, siz
     writer->put(grid.min[axis]);
   }
   put_zeros(writer, sizeof(uint64_t) + sizeof(uint64_t) + sizeof(uint32_t));  // no waveforms, no extended records
-  writer->put<uint64_t>(cloud.size());
-  writer->put<uint64_t>(cloud.size());
+  writer->put<uint64_t>(num_points);
+  writer->put<uint64_t>(num_points);
   put_zeros(writer, 14 * sizeof(uint64_t));
   for (const LasRecord& record : records) put_record(writer, record);
 }
@@ -268,17 +301,19 @@ void put_point(const PointCloud& cloud, const Grid& grid, int point_format, doub
 
 std::unique_ptr<CloudSource> open_las(const std::string& path) { return std::make_unique<LasSource>(path); }
 
-void write_las(const std::string& path, const PointCloud& cloud) {
-  const Grid grid = choose_grid(path, cloud);
-  const int point_format = choose_point_format(cloud, grid.frame);
-  const ExtraBytes extra = extra_bytes_of(cloud);
-  const double intensity_scale = intensity_factor(cloud.intensities);
+void write_las(const std::string& path, const CloudStream& cloud) {
+  const Survey survey = survey_points(path, cloud);
+  const Grid grid = choose_grid(path, survey);
+  const int point_format = choose_point_format(survey, grid.frame);
   std::vector<LasRecord> records = grid.frame.projection;
-  if (extra.size > 0) records.push_back(extra_bytes_record(extra));
+  if (survey.extra.size > 0) records.push_back(extra_bytes_record(survey.extra));
   AtomicFile file(path);
   ByteWriter writer(&file.stream());
-  put_header(cloud, grid, point_format, las_record_size(point_format) + extra.size, records, &writer);
-  for (size_t i = 0; i < cloud.size(); ++i) put_point(cloud, grid, point_format, intensity_scale, i, &writer);
+  put_header(cloud.num_points, grid, point_format, las_record_size(point_format) + survey.extra.size, records, &writer);
+  cloud.for_each_block([&](const PointCloud& block) {
+    for (size_t i = 0; i < block.size(); ++i)
+      put_point(block, grid, point_format, survey.intensity_scale(), i, &writer);
+  });
   writer.flush();
   file.commit();
 }

@@ -5,6 +5,7 @@
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/io/cloud_source.h"
+#include "cpplus/io/cloud_stream.h"
 
 namespace cpplus {
 
@@ -23,6 +24,6 @@ std::unique_ptr<CloudSource> open_las(const std::string& path);
 /// frame, or where the cloud does not fit into its 32-bit integers, the offset is the cloud's origin; without a frame
 /// the scale is 0.1 mm. Intensities are rounded and clamped to 16 bits; if all lie in [0, 1] and some are fractions,
 /// they are stretched by 65535 first. Throws Error for a cloud that is too large for the grid.
-void write_las(const std::string& path, const PointCloud& cloud);
+void write_las(const std::string& path, const CloudStream& cloud);
 
 }  // namespace cpplus

@@ -47,15 +47,4 @@ PointCloud read_map_cloud(const std::string& path) {
   return is_voxel_map_file(path) ? points_of_file(path, map_voxel_map_file(path)) : read_point_cloud(path);
 }
 
-CloudAndMap read_cloud_and_map(const std::string& path, const VoxelMapOptions& options) {
-  if (is_voxel_map_file(path)) {
-    const PointMap points = read_map(path, options);
-    return {points_of_file(path, points), points.map};
-  }
-  CloudAndMap both;
-  both.cloud = read_point_cloud(path);
-  both.map = VoxelMap(both.cloud, options);
-  return both;
-}
-
 }  // namespace cpplus

@@ -16,11 +16,4 @@ PointMap read_map(const std::string& path, const VoxelMapOptions& options);
 /// that a .vox was made of).
 PointCloud read_map_cloud(const std::string& path);
 
-/// Both: the points in their order, and the map, whose input indices are places in it.
-struct CloudAndMap {
-  PointCloud cloud;
-  VoxelMap map;
-};
-CloudAndMap read_cloud_and_map(const std::string& path, const VoxelMapOptions& options);
-
 }  // namespace cpplus

@@ -341,6 +341,40 @@ void fill_records(const PointCloud& cloud, size_t first, size_t size, size_t rec
   });
 }
 
+/// Returns the bytes of a record. `block`: some of the points.
+size_t write_header(const PointCloud& block, size_t num_points, std::ostream* stream) {
+  std::string fields, sizes, types, counts;
+  size_t record_size = 0;
+  for_each_field(block, [&](const char* name, const auto& value_of) {
+    using Value = decltype(value_of(0));
+    fields += fmt::format(" {}", name);
+    sizes += fmt::format(" {}", sizeof(Value));
+    // Packed colours are called a float, as PCL does.
+    types += std::is_floating_point_v<Value> || name == kPackedColor ? " F" : " U";
+    counts += " 1";
+    record_size += sizeof(Value);
+  });
+  *stream << fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\nWIDTH {}\n"
+      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      fields, sizes, types, counts, num_points, num_points);
+  return record_size;
+}
+
+/// A batch of pieces is made by all threads and then written, so that memory does not grow with the cloud.
+void write_records(const PointCloud& cloud, size_t record_size, std::ostream* stream) {
+  constexpr size_t kPiece = 1 << 14;
+  constexpr size_t kBatch = 8 * kPiece;
+  std::vector<char> records(std::min(kBatch, cloud.size()) * record_size);
+  for (size_t first = 0; first < cloud.size(); first += kBatch) {
+    const size_t size = std::min(kBatch, cloud.size() - first);
+    parallel_for_chunks(size, kPiece, [&](size_t begin, size_t end) {
+      fill_records(cloud, first + begin, end - begin, record_size, &records[begin * record_size]);
+    });
+    stream->write(records.data(), static_cast<std::streamsize>(size * record_size));
+  }
+}
+
 }  // namespace
 
 PcdHeader read_pcd_header(BlockReader* reader) {
@@ -397,34 +431,13 @@ std::unique_ptr<CloudSource> open_pcd(const std::string& path) {
   throw Error(fmt::format("{}: PCD header: unknown DATA", path));
 }
 
-void write_pcd(const std::string& path, const PointCloud& cloud) {
-  std::string fields, sizes, types, counts;
-  size_t record_size = 0;
-  for_each_field(cloud, [&](const char* name, const auto& value_of) {
-    using Value = decltype(value_of(0));
-    fields += fmt::format(" {}", name);
-    sizes += fmt::format(" {}", sizeof(Value));
-    // Packed colours are called a float, as PCL does.
-    types += std::is_floating_point_v<Value> || name == kPackedColor ? " F" : " U";
-    counts += " 1";
-    record_size += sizeof(Value);
-  });
+void write_pcd(const std::string& path, const CloudStream& cloud) {
   AtomicFile file(path);
-  file.stream() << fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\nWIDTH {}\n"
-      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
-      fields, sizes, types, counts, cloud.size(), cloud.size());
-  // A batch of blocks is made by all threads and then written, so that memory does not grow with the cloud.
-  constexpr size_t kBlock = 1 << 14;
-  constexpr size_t kBatch = 8 * kBlock;
-  std::vector<char> records(std::min(kBatch, cloud.size()) * record_size);
-  for (size_t first = 0; first < cloud.size(); first += kBatch) {
-    const size_t size = std::min(kBatch, cloud.size() - first);
-    parallel_for_chunks(size, kBlock, [&](size_t begin, size_t end) {
-      fill_records(cloud, first + begin, end - begin, record_size, &records[begin * record_size]);
-    });
-    file.stream().write(records.data(), static_cast<std::streamsize>(size * record_size));
-  }
+  size_t record_size = 0;  // 0 before the header is written
+  cloud.for_each_block([&](const PointCloud& block) {
+    if (record_size == 0) record_size = write_header(block, cloud.num_points, &file.stream());
+    write_records(block, record_size, &file.stream());
+  });
   file.commit();
 }
 

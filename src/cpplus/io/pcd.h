@@ -7,6 +7,7 @@
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/io/block_reader.h"
 #include "cpplus/io/cloud_source.h"
+#include "cpplus/io/cloud_stream.h"
 #include "cpplus/io/point_fields.h"
 
 namespace cpplus {
@@ -31,6 +32,6 @@ std::unique_ptr<CloudSource> open_pcd(const std::string& path);
 /// Writes PCD 0.7 binary. Coordinates are float32 where the cloud's origin is zero, else float64; colour is PCL's
 /// packed "rgb", the stamp a float64 "timestamp", the number of views a uint16 "num_views",
 /// the best image a uint32 "best_image", the spread of the colour a uint8 "color_spread".
-void write_pcd(const std::string& path, const PointCloud& cloud);
+void write_pcd(const std::string& path, const CloudStream& cloud);
 
 }  // namespace cpplus

@@ -200,6 +200,36 @@ class PlySource : public CloudSource {
   uint64_t next_ = 0;  // line of the vertices
 };
 
+/// `block`: some of the points.
+void write_header(const PointCloud& block, size_t num_points, std::ostream* stream) {
+  const bool local = block.origin.isZero(0.0);
+  *stream << "ply\nformat binary_little_endian 1.0\nelement vertex " << num_points << "\n";
+  for (const char axis : {'x', 'y', 'z'}) *stream << "property " << (local ? "float " : "double ") << axis << "\n";
+  if (!block.intensities.empty()) *stream << "property float intensity\n";
+  if (!block.colors.empty()) *stream << "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!block.stamps_s.empty()) *stream << "property double timestamp\n";
+  if (!block.num_views.empty()) *stream << "property ushort num_views\n";
+  if (!block.best_images.empty()) *stream << "property uint best_image\n";
+  if (!block.color_spreads.empty()) *stream << "property uchar color_spread\n";
+  *stream << "end_header\n";
+}
+
+void put_points(const PointCloud& cloud, ByteWriter* writer) {
+  const bool local = cloud.origin.isZero(0.0);
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d point = cloud.point(i);
+    for (int axis = 0; axis < 3; ++axis) local ? writer->put(cloud.positions[i][axis]) : writer->put(point[axis]);
+    if (!cloud.intensities.empty()) writer->put(cloud.intensities[i]);
+    if (!cloud.colors.empty()) {
+      for (const uint8_t channel : cloud.colors[i]) writer->put(channel);
+    }
+    if (!cloud.stamps_s.empty()) writer->put(cloud.stamps_s[i]);
+    if (!cloud.num_views.empty()) writer->put(cloud.num_views[i]);
+    if (!cloud.best_images.empty()) writer->put(cloud.best_images[i]);
+    if (!cloud.color_spreads.empty()) writer->put(cloud.color_spreads[i]);
+  }
+}
+
 }  // namespace
 
 PlyHeader read_ply_header(BlockReader* reader) {
@@ -236,32 +266,15 @@ PlyHeader read_ply_header(BlockReader* reader) {
 
 std::unique_ptr<CloudSource> open_ply(const std::string& path) { return std::make_unique<PlySource>(path); }
 
-void write_ply(const std::string& path, const PointCloud& cloud) {
-  const bool local = cloud.origin.isZero(0.0);
+void write_ply(const std::string& path, const CloudStream& cloud) {
   AtomicFile file(path);
-  std::ostream& stream = file.stream();
-  stream << "ply\nformat binary_little_endian 1.0\nelement vertex " << cloud.size() << "\n";
-  for (const char axis : {'x', 'y', 'z'}) stream << "property " << (local ? "float " : "double ") << axis << "\n";
-  if (!cloud.intensities.empty()) stream << "property float intensity\n";
-  if (!cloud.colors.empty()) stream << "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  if (!cloud.stamps_s.empty()) stream << "property double timestamp\n";
-  if (!cloud.num_views.empty()) stream << "property ushort num_views\n";
-  if (!cloud.best_images.empty()) stream << "property uint best_image\n";
-  if (!cloud.color_spreads.empty()) stream << "property uchar color_spread\n";
-  stream << "end_header\n";
-  ByteWriter writer(&stream);
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3d point = cloud.point(i);
-    for (int axis = 0; axis < 3; ++axis) local ? writer.put(cloud.positions[i][axis]) : writer.put(point[axis]);
-    if (!cloud.intensities.empty()) writer.put(cloud.intensities[i]);
-    if (!cloud.colors.empty()) {
-      for (const uint8_t channel : cloud.colors[i]) writer.put(channel);
-    }
-    if (!cloud.stamps_s.empty()) writer.put(cloud.stamps_s[i]);
-    if (!cloud.num_views.empty()) writer.put(cloud.num_views[i]);
-    if (!cloud.best_images.empty()) writer.put(cloud.best_images[i]);
-    if (!cloud.color_spreads.empty()) writer.put(cloud.color_spreads[i]);
-  }
+  ByteWriter writer(&file.stream());
+  bool has_header = false;
+  cloud.for_each_block([&](const PointCloud& block) {
+    if (!has_header) write_header(block, cloud.num_points, &file.stream());
+    has_header = true;
+    put_points(block, &writer);
+  });
   writer.flush();
   file.commit();
 }

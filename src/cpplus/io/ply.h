@@ -8,6 +8,7 @@
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/io/block_reader.h"
 #include "cpplus/io/cloud_source.h"
+#include "cpplus/io/cloud_stream.h"
 #include "cpplus/io/point_fields.h"
 
 namespace cpplus {
@@ -42,6 +43,6 @@ std::unique_ptr<CloudSource> open_ply(const std::string& path);
 /// Writes binary little-endian PLY. Coordinates are float where the cloud's origin is zero, else double; then
 /// "intensity", "red" "green" "blue", "timestamp", "num_views", "best_image" and "color_spread" where the cloud has
 /// them.
-void write_ply(const std::string& path, const PointCloud& cloud);
+void write_ply(const std::string& path, const CloudStream& cloud);
 
 }  // namespace cpplus

@@ -56,12 +56,19 @@ PointCloud read_point_cloud(const std::string& path, ReadCounts* counts) {
   return cloud;
 }
 
-void write_point_cloud(const std::string& path, const PointCloud& cloud) {
-  check_lengths(path, cloud);
+void write_point_cloud(const std::string& path, const PointCloud& cloud) { write_point_cloud(path, stream_of(cloud)); }
+
+void write_point_cloud(const std::string& path, const CloudStream& cloud) {
+  const CloudStream checked = {cloud.num_points, [&](const auto& visit) {
+                                 cloud.for_each_block([&](const PointCloud& block) {
+                                   check_lengths(path, block);
+                                   visit(block);
+                                 });
+                               }};
   const std::string extension = point_cloud_extension(path);
-  if (extension == ".pcd") return write_pcd(path, cloud);
-  if (extension == ".ply") return write_ply(path, cloud);
-  if (extension == ".las") return write_las(path, cloud);
+  if (extension == ".pcd") return write_pcd(path, checked);
+  if (extension == ".ply") return write_ply(path, checked);
+  if (extension == ".las") return write_las(path, checked);
   throw_unknown_extension(path);
 }
 

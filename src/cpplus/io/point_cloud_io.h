@@ -4,6 +4,7 @@
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/io/cloud_builder.h"
+#include "cpplus/io/cloud_stream.h"
 
 namespace cpplus {
 
@@ -18,6 +19,8 @@ PointCloud read_point_cloud(const std::string& path, ReadCounts* counts = nullpt
 /// Writes the cloud in the format of the extension, through a temporary file. Throws Error for an unknown extension, a
 /// cloud whose attribute arrays differ in length, and where the file cannot be written.
 void write_point_cloud(const std::string& path, const PointCloud& cloud);
+/// The same of a cloud that comes in blocks; LAS passes over it twice.
+void write_point_cloud(const std::string& path, const CloudStream& cloud);
 
 /// The lower-case extension with its dot where read_point_cloud knows it, else "".
 std::string point_cloud_extension(const std::string& path);

@@ -14,12 +14,13 @@
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/map_io.h"
-#include "cpplus/io/point_cloud_io.h"
 #include "cpplus/pipeline/cloud_output.h"
 #include "cpplus/pipeline/color_view_depth.h"
+#include "cpplus/pipeline/colored_map.h"
 #include "cpplus/pipeline/held_out_images.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/map_cache.h"
+#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/report/colorize_report.h"
 #include "cpplus/report/render_cloud.h"
 
@@ -90,6 +91,23 @@ class ViewReader {
   std::vector<size_t> used_;
 };
 
+/// Of the images that give colours and of those that are held out.
+std::vector<Eigen::Vector3d> places_to_look_from(const SparseModel& model, const SparseModel& held_out_model) {
+  std::vector<Eigen::Vector3d> places = camera_centers(model);
+  const std::vector<Eigen::Vector3d> more = camera_centers(held_out_model);
+  places.insert(places.end(), more.begin(), more.end());
+  return places;
+}
+
+/// The points near the images, in the order of the input.
+PointCloud near_cloud(const std::string& path, const NearMap& near) {
+  try {
+    return cloud_in_input_order(near.points);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: damaged: {}", path, error.what()));
+  }
+}
+
 /// Says what the images could not tell.
 void log_exposure(const ColorizeResult& result) {
   const auto num_unknown = std::count_if(result.images.begin(), result.images.end(),
@@ -140,15 +158,20 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   warn_of_unmatched(options.images, model, folder);
   const HeldOutSplit split = split_images(folder.with_file, options.hold_out);
   const SparseModel held_out_model = options.hold_out_poses.empty() ? model : read_sparse_model(options.hold_out_poses);
-  auto [cloud, map] = read_cloud_and_map(cached_map(options.map, options.cache, options.voxel_map), options.voxel_map);
+  const std::string path = cached_map(options.map, options.cache, options.voxel_map);
+  const PointMap points = read_map(path, options.voxel_map);
+  const NearMap near =
+      map_near_places(path, points, places_to_look_from(model, held_out_model), options.color.sampling.max_distance_m);
+  const VoxelMap& map = near.points.map;
   const double point_size_m = kPointLeaves * map.options().leaf_size_m;
+  const GrayScale grays(points.intensities);
 
   ColorizeResult result;
   std::vector<size_t> used;
   {
     ViewReader reader(options, model, split.colored, map);
     result = colorize(
-        std::move(cloud), map, [&] { return reader.next(); }, options.color);
+        near_cloud(path, near), map, [&] { return reader.next(); }, options.color, grays);
     used = reader.used();
   }
   if (used.empty()) throw Error(fmt::format("{}: none of the model's images can be used", options.images));
@@ -157,7 +180,7 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
                             options.map, options.color.sampling.max_distance_m));
   }
   if (options.color.exposure.gains && options.color.exposure.vignetting) log_exposure(result);
-  write_point_cloud(options.out, result.cloud);
+  write_colored_map(path, points, near, result.cloud, grays, options.out);
   const std::vector<HeldOutImage> held_out =
       compare_held_out(options.images, model, split.held_out, held_out_model, map, result,
                        {options.color.sampling.max_distance_m, point_size_m});
@@ -165,9 +188,12 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   if (!options.debug_images.empty()) write_debug_images(options, model, used, map, result.cloud, point_size_m);
   const auto num_judges = static_cast<size_t>(
       std::count_if(held_out.begin(), held_out.end(), [](const HeldOutImage& image) { return !image.blurred; }));
-  return {result.cloud.size(), result.num_colored,
-          used.size(),         model.images.size() - used.size() - split.held_out.size(),
-          num_judges,          total_difference(held_out)};
+  return {points.map.num_points(),
+          result.num_colored,
+          used.size(),
+          model.images.size() - used.size() - split.held_out.size(),
+          num_judges,
+          total_difference(held_out)};
 }
 
 }  // namespace cpplus

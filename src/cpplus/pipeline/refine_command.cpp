@@ -23,6 +23,7 @@
 #include "cpplus/pipeline/image_sequences.h"
 #include "cpplus/pipeline/joint_refinement.h"
 #include "cpplus/pipeline/map_cache.h"
+#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/refine_baselines.h"
 #include "cpplus/pipeline/sample_dashes.h"
 
@@ -58,6 +59,16 @@ RefineInputs absolute_inputs(const RefineCommandOptions& options) {
     return std::filesystem::absolute(path).lexically_normal().string();
   };
   return {absolute(options.map), absolute(options.images), absolute(options.poses)};
+}
+
+// The part of the map that the images can look at. Notes how large the whole map is.
+PointMap read_near_map(const RefineCommandOptions& options, const SparseModel& model, MapReport* report) {
+  const std::string path = cached_map(options.map, options.cache, options.stages.voxel_map);
+  const PointMap points = read_map(path, options.stages.voxel_map);
+  report->path = options.map;
+  report->num_points = points.map.num_points();
+  report->num_dropped_points = points.num_dropped_non_finite;
+  return map_near_places(path, points, camera_centers(model), map_reach_m(options.stages)).points;
 }
 
 RefineSummary summarise(const std::vector<ImageReport>& reports) {
@@ -262,12 +273,8 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
       options.stamps.empty() ? std::map<std::string, double>{} : read_stamps(options.stamps);
   const Trajectory trajectory = options.trajectory.empty() ? Trajectory{} : read_tum(options.trajectory);
   MapReport map_report;
-  map_report.path = options.map;
-  const PointMap points =
-      read_map(cached_map(options.map, options.cache, options.stages.voxel_map), options.stages.voxel_map);
+  const PointMap points = read_near_map(options, model, &map_report);
   const MapFeatures features = extract_map_features(points, options.stages);
-  map_report.num_points = features.map.num_points();
-  map_report.num_dropped_points = points.num_dropped_non_finite;
   map_report.num_planes = features.planes.planes.size();
   map_report.num_edges = features.edges.size();
   map_report.noise_m = features.planes.noise_m;

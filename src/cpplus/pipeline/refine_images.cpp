@@ -19,6 +19,9 @@ constexpr double kSurfaceDepthNoises = 6.0;
 constexpr double kCandidateRadiusPx = 40.0;
 // Points of the seen surface along the longer side of the image.
 constexpr int kSurfacePoints = 16;
+// The map near an image reaches this much farther than what it looks at, metres: pieces of edges are 1.5 m long, planes
+// are fitted to their whole extent.
+constexpr double kReachMarginM = 8.0;
 
 bool sees_map(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
@@ -94,6 +97,11 @@ MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptio
   features.leaf_spacing = leaf_point_spacing(features.map);
   progress.advance();
   return features;
+}
+
+double map_reach_m(const RefineImagesOptions& options) {
+  return kReachMarginM + std::max({options.visibility.max_distance_m, options.silhouettes.max_distance_m,
+                                   options.samples.max_distance_m, options.nid.max_distance_m});
 }
 
 namespace {

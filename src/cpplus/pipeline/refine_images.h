@@ -87,6 +87,10 @@ struct MapFeatures {
 
 MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options);
 
+/// How far from the coarse pose of an image a map must reach for the same result as with all of it, metres: as far as
+/// any stage looks, and a margin for a better pose and for planes and edges, which are cut where the map ends.
+double map_reach_m(const RefineImagesOptions& options);
+
 /// The map's edges and the silhouettes of one view, and the samples that the camera should see.
 struct EdgesInView {
   std::vector<MapEdge> edges;

@@ -7,6 +7,7 @@
 #include "cpplus/core/error.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/map_io.h"
+#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/report_pictures.h"
 #include "cpplus/report/report_page.h"
 #include "cpplus/report/web_files.h"
@@ -50,8 +51,10 @@ void add_pictures(const RefineResult& result, const ReportCommandOptions& option
   const std::string floor_plan = folder + "/floor_plan.png";
   std::vector<size_t> drawn;
   if (!plan.missing.empty() || !fs::exists(floor_plan)) {
-    const MapFeatures features =
-        extract_map_features(read_map(result.inputs.map, result.stages.voxel_map), result.stages);
+    const PointMap points = read_map(result.inputs.map, result.stages.voxel_map);
+    const NearMap near =
+        map_near_places(result.inputs.map, points, camera_centers(result.coarse), map_reach_m(result.stages));
+    const MapFeatures features = extract_map_features(near.points, result.stages);
     drawn = draw_pictures(result, features, plan.missing, folder, options.picture_size_px);
     write_floor_plan(features.map, *page, floor_plan);
   }
