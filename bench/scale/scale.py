@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Scale benchmark: how time and memory of `cpplus index`, `refine` and `colorize` grow with the map.
 
-A simulated world is laid out again and again on a grid, far enough apart that its images see the first copy alone; so the
-map grows while what an image sees stays the same. With --spread every copy has its images, whose number grows with the
-map. Writes OUT/scale.json and OUT/scale.md (scale_spread). Memory is the anonymous
-memory of the process at its highest: what it holds itself, without the pages of mapped files, which the system may drop.
-Needs nothing but Python's standard library."""
+A simulated world is laid out again and again on a grid, far enough apart that its images see the first copy alone; so
+the map grows while what an image sees stays the same. With --spread every copy has its images, whose number grows with
+the map. Writes OUT/scale.json and OUT/scale.md (scale_spread). Memory is the anonymous memory of the process at its
+highest: what it holds itself, without the pages of mapped files, which the system may drop. Needs nothing but Python's
+standard library."""
 
 import argparse
 import array
