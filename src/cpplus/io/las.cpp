@@ -10,6 +10,7 @@
 #include "cpplus/core/error.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/byte_writer.h"
+#include "cpplus/io/intensity_16_bits.h"
 #include "cpplus/io/las_header.h"
 
 namespace cpplus {
@@ -195,10 +196,6 @@ Grid choose_grid(const std::string& path, const Survey& survey) {
   return grid;
 }
 
-uint16_t to_uint16(double value) {
-  return static_cast<uint16_t>(std::isnan(value) ? 0.0 : std::clamp(std::round(value), 0.0, 65535.0));
-}
-
 void put_text(ByteWriter* writer, const std::string& text, size_t size) {
   std::string padded = text;
   padded.resize(size, '\0');
@@ -278,7 +275,7 @@ void put_point(const PointCloud& cloud, const Grid& grid, int point_format, doub
   for (int axis = 0; axis < 3; ++axis) {
     writer->put(static_cast<int32_t>(grid.steps(cloud, cloud.positions[i], axis)));
   }
-  writer->put<uint16_t>(cloud.intensities.empty() ? 0 : to_uint16(cloud.intensities[i] * intensity_scale));
+  writer->put<uint16_t>(cloud.intensities.empty() ? 0 : to_16_bits(cloud.intensities[i] * intensity_scale));
   const bool is_new = point_format >= 6;
   writer->put<uint8_t>(is_new ? 1 | 1 << 4 : 1 | 1 << 3);  // the first of one return
   put_zeros(writer, is_new ? 7 : 5);                       // flags, class, scan angle, user data, source

@@ -14,6 +14,7 @@
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
 #include "cpplus/pipeline/atomic_folder.h"
+#include "cpplus/pipeline/export_potree.h"
 #include "cpplus/pipeline/export_scene.h"
 
 namespace cpplus {
@@ -21,18 +22,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a format cannot do without, besides poses.
+/// What a format cannot do without.
 struct Needs {
   bool map = false;
   bool images = false;
   bool stamps = false;
+  bool poses = true;
 };
 
 const std::map<std::string, Needs>& formats() {
-  static const std::map<std::string, Needs> all = {
-      {"colmap-text", {true, true, false}}, {"colmap-bin", {true, true, false}}, {"undistorted", {false, true, false}},
-      {"3dgs", {true, true, false}},        {"nerfstudio", {true, true, false}}, {"depth", {true, false, false}},
-      {"normals", {true, false, false}},    {"tum", {false, false, true}},       {"kitti", {false, false, false}}};
+  static const std::map<std::string, Needs> all = {{"colmap-text", {.map = true, .images = true}},
+                                                   {"colmap-bin", {.map = true, .images = true}},
+                                                   {"undistorted", {.images = true}},
+                                                   {"3dgs", {.map = true, .images = true}},
+                                                   {"nerfstudio", {.map = true, .images = true}},
+                                                   {"depth", {.map = true}},
+                                                   {"normals", {.map = true}},
+                                                   {"potree", {.map = true, .poses = false}},
+                                                   {"tum", {.stamps = true}},
+                                                   {"kitti", {}}};
   return all;
 }
 
@@ -122,10 +130,10 @@ void check_kinds(const ExportCommandOptions& options) {
 
 void ExportCommandOptions::validate() const {
   require_option("format", format);
-  require_option("poses", poses);
   require_option("out", out);
   check_kinds(*this);
   const Needs& needs = formats().at(format);
+  if (needs.poses || local_origin) require_option("poses", poses);
   if (needs.map) require_option("map", map);
   if (needs.images) require_option("images", images);
   if (needs.stamps) require_option("stamps", stamps);
@@ -150,7 +158,8 @@ void check_is_new(const std::string& out) {
 
 ExportSummary run_export(const ExportCommandOptions& options) {
   options.validate();
-  const SparseModel model = read_sparse_model(options.poses);
+  const bool has_model = formats().at(options.format).poses || options.local_origin;
+  const SparseModel model = has_model ? read_sparse_model(options.poses) : SparseModel();
   check_is_new(options.out);
   AtomicFolder folder(options.out);
   const fs::path& target = folder.temporary();
@@ -161,6 +170,8 @@ ExportSummary run_export(const ExportCommandOptions& options) {
     summary = export_trajectories(options, model, origin, target);
   } else if (format == "depth" || format == "normals") {
     summary = export_surface_maps(options, model, target);
+  } else if (format == "potree") {
+    summary = export_potree(options, origin, target);
   } else if (format == "nerfstudio") {
     summary = export_nerfstudio(options, model, origin, target);
   } else if (format == "undistorted" || format == "3dgs") {

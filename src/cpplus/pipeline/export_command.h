@@ -12,15 +12,15 @@
 namespace cpplus {
 
 struct ExportCommandOptions {
-  /// colmap-text, colmap-bin, undistorted, 3dgs, nerfstudio, depth, normals, tum or kitti. Required.
+  /// colmap-text, colmap-bin, undistorted, 3dgs, nerfstudio, depth, normals, potree, tum or kitti. Required.
   std::string format;
-  /// COLMAP model folder with the images' cameras and poses. Required.
+  /// COLMAP model folder with the images' cameras and poses. Required, but for potree only with local_origin.
   std::string poses;
   /// Folder to be made, new or empty. Required.
   std::string out;
   /// Map (.pcd .ply .las .vox). Not for tum and kitti; undistorted goes without points if there is none.
   std::string map;
-  /// Folder of the images. Not for depth, normals, tum and kitti.
+  /// Folder of the images. Not for depth, normals, potree, tum and kitti.
   std::string images;
   /// Text file with the instant of each image, "NAME SECONDS" a line: tum needs it, kitti sorts by it; "" = none.
   std::string stamps;
@@ -42,11 +42,12 @@ struct ExportCommandOptions {
   template <typename Visitor>
   void visit(Visitor& visitor) {
     visitor("format", format,
-            "colmap-text, colmap-bin, undistorted, 3dgs, nerfstudio, depth, normals, tum or kitti. Required.");
-    visitor("poses", poses, "COLMAP model folder with the images' cameras and poses. Required.");
+            "colmap-text, colmap-bin, undistorted, 3dgs, nerfstudio, depth, normals, potree, tum or kitti. Required.");
+    visitor("poses", poses,
+            "COLMAP model folder with the images' cameras and poses. potree needs it for local_origin only.");
     visitor("out", out, "Folder to be made, new or empty. Required.");
     visitor("map", map, "Map (.pcd .ply .las .vox). Not for tum, kitti; undistorted may go without.");
-    visitor("images", images, "Folder of the images. Not for depth, normals, tum and kitti.");
+    visitor("images", images, "Folder of the images. Not for depth, normals, potree, tum and kitti.");
     visitor("stamps", stamps, "File with the instant of each image, NAME SECONDS a line, for tum and kitti.");
     visitor("depth_kind", depth_kind, "Depth maps hold z (along the optical axis) or range (along the ray).");
     visitor("exr", exr, "Depth and normal maps as EXR with 32-bit floats instead of 16-bit PNG.");

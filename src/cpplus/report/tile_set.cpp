@@ -11,6 +11,7 @@
 #include "cpplus/core/progress.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/pnts.h"
+#include "cpplus/report/display_colors.h"
 #include "cpplus/report/point_tiles.h"
 
 namespace cpplus {
@@ -20,47 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kRootSizeM = 64.0;
 constexpr double kLeafSizeM = 0.0625;
-
-struct TileColors {
-  std::vector<Rgb> colors;
-  std::vector<uint8_t> is_colored;
-};
-
-// Greys between these stand for the intensities between the 2nd and the 98th of 100.
-constexpr double kDarkest = 60.0, kLightest = 190.0;
-constexpr uint8_t kPlainGray = 130;
-
-std::vector<uint8_t> intensity_grays(const PointCloud& cloud) {
-  if (cloud.intensities.empty()) return std::vector<uint8_t>(cloud.size(), kPlainGray);
-  std::vector<float> sorted = cloud.intensities;
-  const auto quantile = [&](double share) {
-    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), place, sorted.end());
-    return static_cast<double>(*place);
-  };
-  const double low = quantile(0.02), high = quantile(0.98);
-  std::vector<uint8_t> grays(cloud.size(), kPlainGray);
-  if (!(high > low)) return grays;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const double share = std::clamp((cloud.intensities[i] - low) / (high - low), 0.0, 1.0);
-    grays[i] = static_cast<uint8_t>(std::lround(kDarkest + share * (kLightest - kDarkest)));
-  }
-  return grays;
-}
-
-TileColors tile_colors(const PointCloud& cloud) {
-  TileColors result;
-  result.is_colored.assign(cloud.size(), cloud.colors.empty() ? 0 : 1);
-  for (size_t i = 0; i < cloud.num_views.size(); ++i) result.is_colored[i] &= cloud.num_views[i] > 0;
-  result.colors = cloud.colors;
-  result.colors.resize(cloud.size());
-  if (std::find(result.is_colored.begin(), result.is_colored.end(), 0) == result.is_colored.end()) return result;
-  const std::vector<uint8_t> grays = intensity_grays(cloud);
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    if (!result.is_colored[i]) result.colors[i].fill(grays[i]);
-  }
-  return result;
-}
 
 std::string tile_name(size_t tile) { return fmt::format("tiles/{:06}.pnts", tile); }
 
@@ -99,7 +59,7 @@ void write_tile_set(const PointCloud& cloud, const Eigen::Vector3d& origin_in_ma
   options.root_size_m = kRootSizeM;
   options.leaf_size_m = kLeafSizeM;
   const VoxelMap map(cloud, options);
-  const TileColors colors = tile_colors(cloud);
+  const DisplayColors colors = display_colors(cloud);
   const std::vector<PointTile> tiles = plan_point_tiles(map, {});
   std::vector<Eigen::AlignedBox3d> boxes(tiles.size());
   Progress progress("write tiles", tiles.size());
