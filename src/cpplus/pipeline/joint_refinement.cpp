@@ -52,9 +52,9 @@ JointProblem make_problem(const JointRefinementInput& input) {
 
 class JointRefiner {
  public:
-  JointRefiner(const MapFeatures& features, const JointRefinementInput& input, const std::vector<Rigid3>& start,
+  JointRefiner(GroupedFeatures* features, const JointRefinementInput& input, const std::vector<Rigid3>& start,
                const RefineImagesOptions& options, std::vector<ImageReport>* reports)
-      : features_(features),
+      : features_(*features),
         input_(input),
         start_(start),
         options_(options),
@@ -103,7 +103,8 @@ class JointRefiner {
     for (size_t begin = 0; begin < participants_.size(); begin += kBlockImages) {
       const size_t end = std::min(begin + kBlockImages, participants_.size());
       const size_t first_kept = begin < kBlockImages ? 0 : begin - kBlockImages;
-      parallel_for_each(end - begin, [&](size_t k) { prepare_view(participants_[begin + k]); });
+      prepare_views({participants_.begin() + static_cast<std::ptrdiff_t>(begin),
+                     participants_.begin() + static_cast<std::ptrdiff_t>(end)});
       parallel_for_each(end - begin, [&](size_t k) {
         matches[begin + k] = match_surfaces(participants_[begin + k], first_kept, end);
         progress.advance();
@@ -114,9 +115,15 @@ class JointRefiner {
     return matches;
   }
 
-  void prepare_view(size_t i) {
+  void prepare_views(const std::vector<size_t>& block) {
+    features_.for_each_group(block, [&](const MapFeatures& features, const std::vector<size_t>& images) {
+      parallel_for_each(images.size(), [&](size_t k) { prepare_view(features, images[k]); });
+    });
+  }
+
+  void prepare_view(const MapFeatures& features, size_t i) {
     Stopwatch watch;
-    views_[i] = prepare_joint_view(features_, camera_of(i), start_[i], input_.decode(i), options_);
+    views_[i] = prepare_joint_view(features, camera_of(i), start_[i], input_.decode(i), options_);
     reports_[i].milliseconds.emplace_back("joint_view", watch.lap());
   }
 
@@ -203,7 +210,7 @@ class JointRefiner {
     });
   }
 
-  const MapFeatures& features_;
+  GroupedFeatures& features_;
   const JointRefinementInput& input_;
   const std::vector<Rigid3>& start_;
   const RefineImagesOptions& options_;
@@ -228,7 +235,7 @@ JointResult predict_poses(const JointRefinementInput& input, const std::vector<I
   return solve_joint(problem, options.refine.prior.sigmas(), {}, solve);
 }
 
-JointResult refine_jointly(const MapFeatures& features, const JointRefinementInput& input,
+JointResult refine_jointly(GroupedFeatures* features, const JointRefinementInput& input,
                            const std::vector<Rigid3>& start_camera_from_map, const RefineImagesOptions& options,
                            std::vector<ImageReport>* reports) {
   return JointRefiner(features, input, start_camera_from_map, options, reports).run();

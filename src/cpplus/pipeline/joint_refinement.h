@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cpplus/geometry/sparse_model.h"
+#include "cpplus/pipeline/grouped_features.h"
 #include "cpplus/pipeline/image_sequences.h"
 #include "cpplus/pipeline/refine_images.h"
 
@@ -26,7 +27,7 @@ JointResult predict_poses(const JointRefinementInput& input, const std::vector<I
 
 /// The joint solve over the edges of all images and patches that they share, from the given poses. Replaces the figures
 /// and the verdict in the reports of images that take part and are neither blurred nor unreadable.
-JointResult refine_jointly(const MapFeatures& features, const JointRefinementInput& input,
+JointResult refine_jointly(GroupedFeatures* features, const JointRefinementInput& input,
                            const std::vector<Rigid3>& start_camera_from_map, const RefineImagesOptions& options,
                            std::vector<ImageReport>* reports);
 

@@ -19,11 +19,11 @@
 #include "cpplus/io/map_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
+#include "cpplus/pipeline/grouped_features.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/image_sequences.h"
 #include "cpplus/pipeline/joint_refinement.h"
 #include "cpplus/pipeline/map_cache.h"
-#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/refine_baselines.h"
 #include "cpplus/pipeline/sample_dashes.h"
 
@@ -61,14 +61,18 @@ RefineInputs absolute_inputs(const RefineCommandOptions& options) {
   return {absolute(options.map), absolute(options.images), absolute(options.poses)};
 }
 
-// The part of the map that the images can look at. Notes how large the whole map is.
-PointMap read_near_map(const RefineCommandOptions& options, const SparseModel& model, MapReport* report) {
+GroupedFeatures find_features(const RefineCommandOptions& options, const SparseModel& model, MapReport* report) {
   const std::string path = cached_map(options.map, options.cache, options.stages.voxel_map);
-  const PointMap points = read_map(path, options.stages.voxel_map);
+  PointMap points = read_map(path, options.stages.voxel_map);
   report->path = options.map;
   report->num_points = points.map.num_points();
   report->num_dropped_points = points.num_dropped_non_finite;
-  return map_near_places(path, points, camera_centers(model), map_reach_m(options.stages)).points;
+  GroupedFeatures features(path, std::move(points), model, options.stages, options.method == "nid",
+                           static_cast<size_t>(options.max_group_points), options.out);
+  report->num_planes = features.num_planes();
+  report->num_edges = features.num_edges();
+  report->noise_m = features.noise_m();
+  return features;
 }
 
 RefineSummary summarise(const std::vector<ImageReport>& reports) {
@@ -100,11 +104,9 @@ SparseModel refined_model(const SparseModel& coarse, const std::map<uint32_t, Ca
 // together.
 class ModelRefiner {
  public:
-  ModelRefiner(const MapFeatures& features, const std::vector<float>& intensities, const SparseModel& model,
-               const RefineCommandOptions& options, const std::map<std::string, double>& stamps,
-               const Trajectory& trajectory)
-      : features_(features),
-        intensities_(intensities),
+  ModelRefiner(GroupedFeatures* features, const SparseModel& model, const RefineCommandOptions& options,
+               const std::map<std::string, double>& stamps, const Trajectory& trajectory)
+      : features_(*features),
         model_(model),
         options_(options),
         reports_(model.images.size()),
@@ -174,34 +176,40 @@ class ModelRefiner {
 
   void refine(const std::string& label, const std::vector<size_t>& images) {
     Progress progress(label, images.size());
-    parallel_for_each(images.size(), [&](size_t k) {
-      const size_t i = images[k];
-      reports_[i] = refine_one(i);
-      progress.advance();
+    features_.for_each_group(images, [&](const MapFeatures& features, const std::vector<size_t>& some) {
+      parallel_for_each(some.size(), [&](size_t k) {
+        reports_[some[k]] = refine_one(features, some[k]);
+        progress.advance();
+      });
     });
   }
 
-  ImageReport refine_one(size_t i) const {
+  ImageReport refine_one(const MapFeatures& features, size_t i) const {
     const PosedImage& image = model_.images[i];
     const Camera& camera = model_.cameras.at(image.camera_id);
     const auto decode_it = [this, i] { return decode(i); };
     if (options_.method == "none") return keep_coarse_pose(image.name, image.camera_from_map);
     if (options_.method == "lines") {
-      return refine_image_by_lines(features_, image.name, camera, image.camera_from_map, decode_it, options_.stages);
+      return refine_image_by_lines(features, image.name, camera, image.camera_from_map, decode_it, options_.stages);
     }
     if (options_.method == "nid") {
-      return refine_image_by_nid(features_, intensities_, image.name, camera, image.camera_from_map, decode_it,
-                                 options_.stages);
+      return refine_image_by_nid(features, features.equal_intensities, image.name, camera, image.camera_from_map,
+                                 decode_it, options_.stages);
     }
-    return refine_image(features_, image.name, camera, image.camera_from_map, guesses_[i], decode_it, options_.stages);
+    return refine_image(features, image.name, camera, image.camera_from_map, guesses_[i], decode_it, options_.stages);
   }
 
-  void write_overlays() const {
-    parallel_for_each(reports_.size(), [&](size_t i) {
+  void write_overlays() {
+    std::vector<size_t> drawn;
+    for (size_t i = 0; i < reports_.size(); ++i) {
       const ImageStatus status = reports_[i].status;
-      if (status != ImageStatus::kRefined && status != ImageStatus::kKeptCoarse) return;
-      const PosedImage& image = model_.images[i];
-      write_overlay(options_, features_, cameras_.at(image.camera_id), image.camera_from_map, reports_[i]);
+      if (status == ImageStatus::kRefined || status == ImageStatus::kKeptCoarse) drawn.push_back(i);
+    }
+    features_.for_each_group(drawn, [&](const MapFeatures& features, const std::vector<size_t>& some) {
+      parallel_for_each(some.size(), [&](size_t k) {
+        const PosedImage& image = model_.images[some[k]];
+        write_overlay(options_, features, cameras_.at(image.camera_id), image.camera_from_map, reports_[some[k]]);
+      });
     });
   }
 
@@ -229,7 +237,7 @@ class ModelRefiner {
       const bool refined = reports_[i].status == ImageStatus::kRefined;
       start.push_back(refined ? reports_[i].camera_from_map : guesses_[i].camera_from_map);
     }
-    const JointResult result = refine_jointly(features_, input_, start, options_.stages, &reports_);
+    const JointResult result = refine_jointly(&features_, input_, start, options_.stages, &reports_);
     shared_ = result.shared;
     for (const auto& [id, camera] : result.cameras) cameras_[id] = camera;
   }
@@ -238,8 +246,7 @@ class ModelRefiner {
   // degrees of freedom.
   static constexpr double kMaxSquaredDistance = 12.6;
 
-  const MapFeatures& features_;
-  const std::vector<float>& intensities_;  // equalised, in the order of the map; of --method nid alone
+  GroupedFeatures& features_;
   const SparseModel& model_;
   const RefineCommandOptions& options_;
   std::vector<ImageReport> reports_;
@@ -261,6 +268,7 @@ void RefineCommandOptions::validate() const {
   if (method != "cp_plus" && method != "lines" && method != "nid" && method != "none") {
     throw UsageError(fmt::format("option method must be cp_plus, lines, nid or none, got '{}'", method));
   }
+  check_option(max_group_points >= 1, "max_group_points", "[1, inf)", max_group_points);
   stages.validate();
 }
 
@@ -273,16 +281,8 @@ RefineSummary refine_command(const RefineCommandOptions& options) {
       options.stamps.empty() ? std::map<std::string, double>{} : read_stamps(options.stamps);
   const Trajectory trajectory = options.trajectory.empty() ? Trajectory{} : read_tum(options.trajectory);
   MapReport map_report;
-  const PointMap points = read_near_map(options, model, &map_report);
-  const MapFeatures features = extract_map_features(points, options.stages);
-  map_report.num_planes = features.planes.planes.size();
-  map_report.num_edges = features.edges.size();
-  map_report.noise_m = features.planes.noise_m;
-
-  const std::vector<float> intensities =
-      options.method == "nid" ? equalise_intensities({points.intensities.begin(), points.intensities.end()})
-                              : std::vector<float>{};
-  ModelRefiner refiner(features, intensities, model, options, stamps, trajectory);
+  GroupedFeatures features = find_features(options, model, &map_report);
+  ModelRefiner refiner(&features, model, options, stamps, trajectory);
   const std::vector<ImageReport> reports = refiner.run();
   const RefineSummary summary = summarise(reports);
   if (summary.num_unreadable == summary.num_images) {

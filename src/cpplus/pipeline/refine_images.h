@@ -82,7 +82,8 @@ struct MapFeatures {
   PlaneSegmentation planes;
   PlaneSurface surface;
   std::vector<MapEdge> edges;
-  std::vector<float> leaf_spacing;  // of the points, metres (visibility/point_spacing.h)
+  std::vector<float> leaf_spacing;       // of the points, metres (visibility/point_spacing.h)
+  std::vector<float> equal_intensities;  // in the order of the map, equalised; of --method nid alone
 };
 
 MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options);
