@@ -12,12 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void run_well(const std::vector<std::string>& arguments) {
-  const ProcessResult result = run_cpplus(arguments);
-  EXPECT_EQ(result.exit_code, 0) << arguments[0];
-  EXPECT_EQ(result.err, "") << arguments[0];
-}
-
 void clean(const std::string& world, const std::string& out, const std::string& threads) {
   run_well({"clean", "--scans", world + "/scans", "--poses", world + "/scans/poses.txt", "--out", out + "/map.pcd",
             "--labels", out, "--threads", threads});

@@ -12,12 +12,6 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-void run_well(const Arguments& arguments) {
-  const ProcessResult result = run_cpplus(arguments);
-  EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments);
-  EXPECT_EQ(result.err, "") << testing::PrintToString(arguments);
-}
-
 /// The world's map, each of its points followed by two others hundreds of metres off, of which one is brighter.
 PointCloud with_far_parts(const PointCloud& near) {
   PointCloud cloud;

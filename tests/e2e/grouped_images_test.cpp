@@ -70,7 +70,7 @@ class TwoPlaces : public testing::Test {
                                           "--out",
                                           out};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    EXPECT_EQ(run_cpplus(arguments).exit_code, 0) << name;
+    run_well(arguments);
     return read_sparse_model(out + "/sparse");
   }
 

@@ -18,13 +18,6 @@ namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 using testing::HasSubstr;
 
-ProcessResult run_well(const Arguments& arguments) {
-  ProcessResult result = run_cpplus(arguments);
-  EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments);
-  EXPECT_EQ(result.err, "") << testing::PrintToString(arguments);
-  return result;
-}
-
 std::string indexed_world(const std::string& directory) {
   const std::string map = directory + "/map.vox";
   run_well({"index", world_path("map.pcd"), "--out", map});

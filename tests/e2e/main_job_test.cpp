@@ -22,13 +22,6 @@ using testing::ElementsAre;
 
 std::string world(const std::string& name) { return std::string(CPPLUS_E2E_WORLD) + "/" + name; }
 
-/// Runs the program and expects it to succeed without a word on stderr.
-void run_well(const Arguments& arguments) {
-  const ProcessResult result = run_cpplus(arguments);
-  EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments);
-  EXPECT_EQ(result.err, "") << testing::PrintToString(arguments);
-}
-
 void colorize(const std::string& poses, const std::string& out, const Arguments& more = {}) {
   Arguments arguments = {"colorize", "--map", world("map.pcd"), "--images", world("images"),
                          "--poses",  poses,   "--out",          out};

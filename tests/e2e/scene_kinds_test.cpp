@@ -11,12 +11,6 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-void run_well(const Arguments& arguments) {
-  const ProcessResult result = run_cpplus(arguments);
-  EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments);
-  EXPECT_EQ(result.err, "") << testing::PrintToString(arguments);
-}
-
 std::string simulate(const std::string& directory, const Arguments& more) {
   const std::string world = directory + "/world";
   Arguments arguments = {"simulate", "--out", world, "--width", "640", "--height", "480"};

@@ -13,12 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
-void run_well(const Arguments& arguments) {
-  const ProcessResult result = run_cpplus(arguments);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  ASSERT_EQ(result.err, "");
-}
-
 /// Names of the files in a folder and below it, in order, without the one that says what the tiles were made of.
 std::vector<std::string> files_in(const std::string& folder) {
   std::vector<std::string> names;

@@ -84,6 +84,13 @@ ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, con
   });
 }
 
+ProcessResult run_well(const std::vector<std::string>& arguments) {
+  ProcessResult result = run_cpplus(arguments);
+  EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments);
+  EXPECT_EQ(result.err, "") << testing::PrintToString(arguments);
+  return result;
+}
+
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);

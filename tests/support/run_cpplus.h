@@ -26,6 +26,9 @@ std::string stderr_file();
 /// Runs the built program with these arguments.
 ProcessResult run_cpplus(const std::vector<std::string>& arguments);
 
+/// The same, expecting it to succeed without a word on the standard error.
+ProcessResult run_well(const std::vector<std::string>& arguments);
+
 /// The lines of a text, without their ends.
 std::vector<std::string> lines_of(const std::string& text);
 

@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "cpplus/cloud/owned_map_arrays.h"
 #include "cpplus/core/error.h"
 
 namespace cpplus {
@@ -50,30 +51,17 @@ std::vector<T> gather(std::span<const T> values, const std::vector<Run>& runs) {
   return gathered;
 }
 
-struct Layer {
-  std::vector<uint32_t> first;
-  std::vector<uint8_t> child_mask;
-  std::vector<uint64_t> moments_mask;
-  std::vector<uint32_t> moments_rank;
-  std::vector<VoxelMoments> moments;
-};
-
 /// What the part's arrays lie in.
 struct Part {
   std::vector<Eigen::Vector3f> positions;
   std::vector<uint32_t> input_indices;
   std::vector<Eigen::Vector3i> root_keys;
   std::vector<uint32_t> root_table;
-  std::vector<Layer> layers;
-  std::vector<float> intensities;
-  std::vector<Rgb> colors;
-  std::vector<double> stamps_s;
-  std::vector<uint16_t> num_views;
-  std::vector<uint32_t> best_images;
-  std::vector<uint8_t> color_spreads;
+  std::vector<OwnedLayer> layers;
+  OwnedAttributes attributes;
 };
 
-void gather_moments(const VoxelMapLayer& from, const std::vector<Run>& runs, Layer* layer) {
+void gather_moments(const VoxelMapLayer& from, const std::vector<Run>& runs, OwnedLayer* layer) {
   const auto is_stored = [&](uint32_t node) { return (from.moments_mask[node / 64] >> (node % 64) & 1) != 0; };
   uint32_t node_in_part = 0;
   for (const Run& run : runs) {
@@ -92,9 +80,9 @@ void gather_moments(const VoxelMapLayer& from, const std::vector<Run>& runs, Lay
   }
 }
 
-Layer gather_layer(const VoxelMapLayer& from, bool is_leaf, const std::vector<Run>& runs,
-                   const std::vector<Run>& runs_below) {
-  Layer layer;
+OwnedLayer gather_layer(const VoxelMapLayer& from, bool is_leaf, const std::vector<Run>& runs,
+                        const std::vector<Run>& runs_below) {
+  OwnedLayer layer;
   layer.first.reserve(total_size(runs) + 1);
   uint32_t num_below = 0;
   for (size_t k = 0; k < runs.size(); ++k) {
@@ -145,12 +133,12 @@ Part gather_part(const PointMap& points, std::span<const uint32_t> roots) {
   part.positions = gather(arrays.positions, runs.back());
   part.input_indices = gather(arrays.input_indices, runs.back());
   rank_indices(arrays.positions.size(), &part.input_indices);
-  part.intensities = gather(points.intensities, runs.back());
-  part.colors = gather(points.colors, runs.back());
-  part.stamps_s = gather(points.stamps_s, runs.back());
-  part.num_views = gather(points.num_views, runs.back());
-  part.best_images = gather(points.best_images, runs.back());
-  part.color_spreads = gather(points.color_spreads, runs.back());
+  part.attributes.intensities = gather(points.intensities, runs.back());
+  part.attributes.colors = gather(points.colors, runs.back());
+  part.attributes.stamps_s = gather(points.stamps_s, runs.back());
+  part.attributes.num_views = gather(points.num_views, runs.back());
+  part.attributes.best_images = gather(points.best_images, runs.back());
+  part.attributes.color_spreads = gather(points.color_spreads, runs.back());
   return part;
 }
 
@@ -177,20 +165,12 @@ PointMap part_of_map(const PointMap& points, std::span<const uint32_t> roots) {
   arrays.input_indices = part->input_indices;
   arrays.root_keys = part->root_keys;
   arrays.root_table = part->root_table;
-  for (const Layer& layer : part->layers) {
-    arrays.layers.push_back({layer.first, layer.child_mask, layer.moments_mask, layer.moments_rank, layer.moments});
-  }
+  for (const OwnedLayer& layer : part->layers) arrays.layers.push_back(layer.view());
   arrays.owner = part;
   PointMap result;
   result.map = VoxelMap(map.origin(), map.options(), std::move(arrays));
-  result.intensities = part->intensities;
-  result.colors = part->colors;
-  result.stamps_s = part->stamps_s;
-  result.num_views = part->num_views;
-  result.best_images = part->best_images;
-  result.color_spreads = part->color_spreads;
   result.las_frame = points.las_frame;
-  result.owner = part;
+  part->attributes.view(part, &result);
   return result;
 }
 

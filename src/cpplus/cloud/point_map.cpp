@@ -1,18 +1,10 @@
 #include "cpplus/cloud/point_map.h"
 
+#include "cpplus/cloud/owned_map_arrays.h"
 #include "cpplus/core/error.h"
 
 namespace cpplus {
 namespace {
-
-struct Attributes {
-  std::vector<float> intensities;
-  std::vector<Rgb> colors;
-  std::vector<double> stamps_s;
-  std::vector<uint16_t> num_views;
-  std::vector<uint32_t> best_images;
-  std::vector<uint8_t> color_spreads;
-};
 
 template <typename T>
 std::vector<T> in_input_order(const VoxelMap& map, std::span<const T> values) {
@@ -26,18 +18,12 @@ std::vector<T> in_input_order(const VoxelMap& map, std::span<const T> values) {
 PointMap make_point_map(const PointCloud& cloud, const VoxelMapOptions& options) {
   PointMap points;
   points.map = VoxelMap(cloud, options);
-  const auto attributes = std::make_shared<const Attributes>(
-      Attributes{in_map_order(points.map, cloud.intensities), in_map_order(points.map, cloud.colors),
-                 in_map_order(points.map, cloud.stamps_s), in_map_order(points.map, cloud.num_views),
-                 in_map_order(points.map, cloud.best_images), in_map_order(points.map, cloud.color_spreads)});
-  points.intensities = attributes->intensities;
-  points.colors = attributes->colors;
-  points.stamps_s = attributes->stamps_s;
-  points.num_views = attributes->num_views;
-  points.best_images = attributes->best_images;
-  points.color_spreads = attributes->color_spreads;
+  const auto attributes = std::make_shared<const OwnedAttributes>(
+      OwnedAttributes{in_map_order(points.map, cloud.intensities), in_map_order(points.map, cloud.colors),
+                      in_map_order(points.map, cloud.stamps_s), in_map_order(points.map, cloud.num_views),
+                      in_map_order(points.map, cloud.best_images), in_map_order(points.map, cloud.color_spreads)});
   points.las_frame = cloud.las_frame;
-  points.owner = attributes;
+  attributes->view(attributes, &points);
   return points;
 }
 

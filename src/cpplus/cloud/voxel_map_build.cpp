@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 
+#include "cpplus/cloud/owned_map_arrays.h"
 #include "cpplus/cloud/voxel_map_grid.h"
 #include "cpplus/cloud/voxel_map_sort.h"
 #include "cpplus/core/parallel.h"
@@ -250,14 +251,6 @@ std::vector<uint32_t> group_roots(const std::vector<uint32_t>& points_begin) {
   return groups;
 }
 
-struct OwnedLayer {
-  std::vector<uint32_t> first;
-  std::vector<uint8_t> child_mask;
-  std::vector<uint64_t> moments_mask;
-  std::vector<uint32_t> moments_rank;
-  std::vector<VoxelMoments> moments;
-};
-
 struct Owner {
   PointsByRoot points;
   std::vector<uint32_t> root_table;
@@ -322,9 +315,7 @@ VoxelMapArrays view(std::shared_ptr<const Owner> owner) {
   arrays.input_indices = {owner->points.input_indices.get(), owner->points.num_points};
   arrays.root_keys = owner->points.root_keys;
   arrays.root_table = owner->root_table;
-  for (const OwnedLayer& layer : owner->layers) {
-    arrays.layers.push_back({layer.first, layer.child_mask, layer.moments_mask, layer.moments_rank, layer.moments});
-  }
+  for (const OwnedLayer& layer : owner->layers) arrays.layers.push_back(layer.view());
   arrays.owner = std::move(owner);
   return arrays;
 }

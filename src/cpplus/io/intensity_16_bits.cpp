@@ -5,13 +5,11 @@
 
 namespace cpplus {
 
-double intensity_factor(std::span<const float> intensities) {
-  bool any_fraction = false;
-  for (const float intensity : intensities) {
-    if (!(intensity >= 0.0f && intensity <= 1.0f)) return 1.0;
-    any_fraction = any_fraction || (intensity > 0.0f && intensity < 1.0f);
+void IntensityFactor::add(std::span<const float> some) {
+  for (const float intensity : some) {
+    all_are_shares_ = all_are_shares_ && intensity >= 0.0f && intensity <= 1.0f;
+    any_fraction_ = any_fraction_ || (intensity > 0.0f && intensity < 1.0f);
   }
-  return any_fraction ? 65535.0 : 1.0;
 }
 
 uint16_t to_16_bits(double value) {

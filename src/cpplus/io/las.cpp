@@ -112,10 +112,7 @@ struct Survey {
   bool has_stamps = false;
   bool has_colors = false;
   ExtraBytes extra;
-  bool any_intensity_fraction = false;
-  bool all_intensities_are_shares = true;  // in [0, 1]
-
-  double intensity_scale() const { return all_intensities_are_shares && any_intensity_fraction ? 65535.0 : 1.0; }
+  IntensityFactor intensity_factor;
 };
 
 void survey_block(const std::string& path, const PointCloud& block, Survey* survey) {
@@ -124,10 +121,7 @@ void survey_block(const std::string& path, const PointCloud& block, Survey* surv
     survey->lowest = survey->lowest.cwiseMin(position);
     survey->highest = survey->highest.cwiseMax(position);
   }
-  for (const float intensity : block.intensities) {
-    survey->all_intensities_are_shares &= intensity >= 0.0f && intensity <= 1.0f;
-    survey->any_intensity_fraction |= intensity > 0.0f && intensity < 1.0f;
-  }
+  survey->intensity_factor.add(block.intensities);
 }
 
 Survey survey_points(const std::string& path, const CloudStream& cloud) {
@@ -270,12 +264,12 @@ void put_header(uint64_t num_points, const Grid& grid, int point_format, size_t 
   for (const LasRecord& record : records) put_record(writer, record);
 }
 
-void put_point(const PointCloud& cloud, const Grid& grid, int point_format, double intensity_scale, size_t i,
+void put_point(const PointCloud& cloud, const Grid& grid, int point_format, double intensity_factor, size_t i,
                ByteWriter* writer) {
   for (int axis = 0; axis < 3; ++axis) {
     writer->put(static_cast<int32_t>(grid.steps(cloud, cloud.positions[i], axis)));
   }
-  writer->put<uint16_t>(cloud.intensities.empty() ? 0 : to_16_bits(cloud.intensities[i] * intensity_scale));
+  writer->put<uint16_t>(cloud.intensities.empty() ? 0 : to_16_bits(cloud.intensities[i] * intensity_factor));
   const bool is_new = point_format >= 6;
   writer->put<uint8_t>(is_new ? 1 | 1 << 4 : 1 | 1 << 3);  // the first of one return
   put_zeros(writer, is_new ? 7 : 5);                       // flags, class, scan angle, user data, source
@@ -309,7 +303,7 @@ void write_las(const std::string& path, const CloudStream& cloud) {
   put_header(cloud.num_points, grid, point_format, las_record_size(point_format) + survey.extra.size, records, &writer);
   cloud.for_each_block([&](const PointCloud& block) {
     for (size_t i = 0; i < block.size(); ++i)
-      put_point(block, grid, point_format, survey.intensity_scale(), i, &writer);
+      put_point(block, grid, point_format, survey.intensity_factor.value(), i, &writer);
   });
   writer.flush();
   file.commit();

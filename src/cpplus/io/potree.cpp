@@ -38,10 +38,11 @@ Attribute attribute_of(const std::string& name, const std::string& type, const s
 std::vector<Attribute> attributes_of(const PointCloud& cloud) {
   std::vector<Attribute> attributes;
   if (!cloud.intensities.empty()) {
-    attributes.push_back(
-        {"intensity", "uint16", 2, 1, [&cloud, factor = intensity_factor(cloud.intensities)](size_t point, size_t) {
-           return uint32_t{to_16_bits(cloud.intensities[point] * factor)};
-         }});
+    IntensityFactor factor;
+    factor.add(cloud.intensities);
+    attributes.push_back({"intensity", "uint16", 2, 1, [&cloud, factor = factor.value()](size_t point, size_t) {
+                            return uint32_t{to_16_bits(cloud.intensities[point] * factor)};
+                          }});
   }
   if (!cloud.colors.empty()) {
     attributes.push_back({"rgb", "uint16", 2, 3, [&cloud](size_t point, size_t channel) {
