@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
 
 #include "cpplus/core/fast_log.h"
 #include "cpplus/core/options.h"
+#include "cpplus/features/edge_chains.h"
 #include "cpplus/features/image_gradient.h"
 
 namespace cpplus {
@@ -63,69 +62,6 @@ double strong_threshold(const ImageGradient& gradient, const ImageEdgeOptions& o
   const double least = std::max(options.min_gradient, options.noise_ratio * noise_sigma);
   return std::min(std::max(histogram.quantile(options.strong_quantile), least), options.max_gradient);
 }
-
-/// Edge pixels in row-major order with their 8-connected chains.
-class EdgeChains {
- public:
-  struct Pixel {
-    int x;
-    int y;
-    int chain;
-  };
-
-  explicit EdgeChains(const cv::Mat& edges) {
-    std::vector<int> row_above(static_cast<size_t>(edges.cols) + 2, -1);  // chain of each pixel; one column of padding
-    std::vector<int> row(row_above);
-    for (int y = 0; y < edges.rows; ++y) {
-      std::fill(row.begin(), row.end(), -1);
-      const uint8_t* begin = edges.ptr<uint8_t>(y);
-      const uint8_t* end = begin + edges.cols;
-      for (const uint8_t* p = begin; (p = next_set(p, end)) != nullptr; ++p) {
-        const auto x = static_cast<int>(p - begin);
-        const int chain = join({row[x], row_above[x], row_above[x + 1], row_above[x + 2]});
-        row[x + 1] = chain;
-        ++sizes_[chain];
-        pixels_.push_back({x, y, chain});
-      }
-      std::swap(row, row_above);
-    }
-  }
-
-  const std::vector<Pixel>& pixels() const { return pixels_; }
-  int chain_size(int chain) { return sizes_[root(chain)]; }
-
- private:
-  static const uint8_t* next_set(const uint8_t* begin, const uint8_t* end) {
-    return begin < end ? static_cast<const uint8_t*>(std::memchr(begin, 255, end - begin)) : nullptr;
-  }
-
-  int root(int chain) {
-    while (parents_[chain] != chain) chain = parents_[chain] = parents_[parents_[chain]];
-    return chain;
-  }
-
-  int join(const std::array<int, 4>& neighbors) {
-    int joined = -1;
-    for (const int neighbor : neighbors) {
-      if (neighbor < 0) continue;
-      const int other = root(neighbor);
-      if (joined < 0 || joined == other) {
-        joined = other;
-        continue;
-      }
-      parents_[other] = joined;
-      sizes_[joined] += sizes_[other];
-    }
-    if (joined >= 0) return joined;
-    parents_.push_back(static_cast<int>(parents_.size()));
-    sizes_.push_back(0);
-    return parents_.back();
-  }
-
-  std::vector<Pixel> pixels_;
-  std::vector<int> parents_;
-  std::vector<int> sizes_;  // of roots
-};
 
 /// log2 of the squared gradient, to less than its own rounding, at (x, y) and its eight neighbours, row by row.
 std::array<float, 12> log_gradient_3x3(const ImageGradient& gradient, int x, int y) {
@@ -194,19 +130,14 @@ ImageEdges detect_image_edges(const GrayImage& image, const ImageEdgeOptions& op
   const int margin = static_cast<int>(std::ceil(2.0 * options.sigma_px)) + 1;
   if (image.width <= 2 * margin || image.height <= 2 * margin) return edges;
 
-  ImageGradient gradient = blurred_gradient(image, options.sigma_px);
+  const ImageGradient gradient = blurred_gradient(image, options.sigma_px);
   const double strong = strong_threshold(gradient, options) * kGradientGain;
-  const cv::Mat dx(image.height, image.width, CV_16S, gradient.dx.data());
-  const cv::Mat dy(image.height, image.width, CV_16S, gradient.dy.data());
-  cv::Mat edge_map;
-  cv::Canny(dx, dy, edge_map, options.weak_ratio * strong, strong, true);
-
-  EdgeChains chains(edge_map);
-  edges.edgels.reserve(chains.pixels().size());
-  for (const EdgeChains::Pixel& pixel : chains.pixels()) {
+  const EdgeChains chains = find_edge_chains(gradient, options.weak_ratio * strong, strong);
+  edges.edgels.reserve(chains.pixels.size());
+  for (const EdgePixel& pixel : chains.pixels) {
     const bool inside =
         pixel.x >= margin && pixel.y >= margin && pixel.x < image.width - margin && pixel.y < image.height - margin;
-    if (!inside || chains.chain_size(pixel.chain) < options.min_chain_px) continue;
+    if (!inside || chains.sizes[pixel.chain] < static_cast<uint32_t>(options.min_chain_px)) continue;
     if (const std::optional<ImageEdgel> edgel = locate(gradient, pixel.x, pixel.y)) edges.edgels.push_back(*edgel);
   }
   return edges;

@@ -35,6 +35,17 @@ TEST(Rigid3, PerturbationIsInTheCameraFrame) {
   EXPECT_TRUE(camera_center(moved).isApprox(camera_center(kPose) + 0.5 * forward_in_map, 1e-12));
 }
 
+TEST(Rigid3, APerturbationMovesPointsByItsDerivative) {
+  const Eigen::Vector3d x_in_map(0.4, -1.3, 2.0);
+  const auto derivative = d_camera_point_d_delta(kPose * x_in_map);
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d step = 1e-6 * Vector6d::Unit(k);
+    const Eigen::Vector3d numeric =
+        (perturb_camera(kPose, step) * x_in_map - perturb_camera(kPose, -step) * x_in_map) / 2e-6;
+    EXPECT_LT((derivative.col(k) - numeric).norm(), 1e-7) << k;
+  }
+}
+
 TEST(Rigid3, DifferenceUndoesPerturbation) {
   Vector6d delta;
   delta << 0.1, -0.2, 0.05, 1, 2, -0.5;

@@ -51,8 +51,7 @@ std::vector<Eigen::Vector2f> crossings(const EdgelIndex& index, const std::vecto
 EdgeEvidence::EdgeEvidence(const Camera& camera, const ImagePose& pose, const std::vector<MapEdge>& edges,
                            const std::vector<EdgeSample>& samples, const ImageEdges& image_edges, double radius_px,
                            double max_angle_deg) {
-  const EdgelIndex index(image_edges);
-  const double min_cos = std::cos(max_angle_deg * std::numbers::pi / 180.0);
+  const EdgelIndex index(image_edges, max_angle_deg);
   std::vector<uint32_t> found;
   for (const EdgeSample& sample : samples) {
     const auto projected = project_sample(camera, pose, sample);
@@ -63,7 +62,7 @@ EdgeEvidence::EdgeEvidence(const Camera& camera, const ImagePose& pose, const st
     s.kind = edges[sample.edge].kind;
     s.group = edges[sample.edge].group;
     s.candidates_begin = static_cast<uint32_t>(candidates_.size());
-    index.all_along(projected->pixel, projected->normal, radius_px, min_cos, &found);
+    index.all_along(projected->pixel, projected->normal, radius_px, &found);
     const std::vector<Eigen::Vector2f> crossed = crossings(index, found, projected->pixel, projected->normal);
     candidates_.insert(candidates_.end(), crossed.begin(), crossed.end());
     s.candidates_end = static_cast<uint32_t>(candidates_.size());

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "cpplus/core/fast_log.h"
+#include "cpplus/core/vector_clones.h"
 
 namespace cpplus {
 namespace {
@@ -14,9 +15,12 @@ namespace {
 constexpr float kInlierShare = 0.6f;
 // Samples of one edge agree with each other: together they count as this many.
 constexpr float kIndependentSamples = 4.0f;
-constexpr int kBackgroundSteps = 8;
+constexpr int kBackgroundSteps = (EdgeLikelihood::kBackgroundPlaces - 1) / 2;  // on either side
 constexpr float kBackgroundReachPx = 32.0f;
 constexpr float kMinBackground = 0.03f;
+
+// Offset of the k-th of the places across an edge that its background is told from, in pixels.
+constexpr float background_offset(int k) { return static_cast<float>(k) * kBackgroundReachPx / kBackgroundSteps; }
 
 float bump_rest(float distance, float inverse_kernel) {
   const float x = distance * inverse_kernel;
@@ -46,6 +50,7 @@ EdgeLikelihood::EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_m
   }
   size_ = x_.size();
   fill_up();
+  look_around();
 }
 
 void EdgeLikelihood::add(const ProjectedSample& projected, const MapEdge& edge, float weight) {
@@ -65,27 +70,45 @@ void EdgeLikelihood::add(const ProjectedSample& projected, const MapEdge& edge, 
 
 void EdgeLikelihood::fill_up() {
   const size_t filled = (size_ + kBlock - 1) / kBlock * kBlock;
-  for (std::vector<float>* values : {&x_, &y_, &weight_}) values->resize(filled, 0.0f);
+  for (std::vector<float>* values : {&x_, &y_, &normal_x_, &normal_y_, &weight_}) values->resize(filled, 0.0f);
+  map_variance_.resize(filled, 1.0f);
   for (std::vector<float>& values : jacobian_) values.resize(filled, 0.0f);
   bin_.resize(filled, 0);
   inverse_kernel_.resize(filled, 0.0f);
   inverse_background_.resize(filled, 0.0f);
 }
 
-void EdgeLikelihood::set_kernel(double kernel_px) {
-  for (size_t i = 0; i < size_; ++i) {
-    inverse_kernel_[i] = 1.0f / std::sqrt(static_cast<float>(kernel_px * kernel_px) + map_variance_[i]);
-    float sum = 0.0f;
-    for (int k = -kBackgroundSteps; k <= kBackgroundSteps; ++k) {
-      const float offset = static_cast<float>(k) * kBackgroundReachPx / kBackgroundSteps;
-      const int32_t index = field_.index_of(x_[i] + offset * normal_x_[i], y_[i] + offset * normal_y_[i], bin_[i]);
-      sum += bump(field_.distance_at(index), inverse_kernel_[i]);
+CPPLUS_VECTOR_CLONES void EdgeLikelihood::look_around() {
+  for (size_t k = 0; k < kBackgroundPlaces; ++k) {
+    const float offset = background_offset(static_cast<int>(k) - kBackgroundSteps);
+    distances_around_[k].resize(x_.size());
+    for (size_t begin = 0; begin < x_.size(); begin += kBlock) {
+      std::array<int32_t, kBlock> index;
+      for (size_t i = 0; i < kBlock; ++i) {
+        const size_t at = begin + i;
+        index[i] = field_.index_of(x_[at] + offset * normal_x_[at], y_[at] + offset * normal_y_[at], bin_[at]);
+      }
+      for (size_t i = 0; i < kBlock; ++i) distances_around_[k][begin + i] = field_.distance_at(index[i]);
     }
-    inverse_background_[i] = 1.0f / std::max(kMinBackground, sum / (2 * kBackgroundSteps + 1));
   }
 }
 
-double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
+CPPLUS_VECTOR_CLONES void EdgeLikelihood::set_kernel(double kernel_px) {
+  const float variance = static_cast<float>(kernel_px * kernel_px);
+  for (size_t begin = 0; begin < x_.size(); begin += kBlock) {
+    float* inverse_kernel = &inverse_kernel_[begin];
+    for (size_t i = 0; i < kBlock; ++i) inverse_kernel[i] = 1.0f / std::sqrt(variance + map_variance_[begin + i]);
+    std::array<float, kBlock> sums{};
+    for (const std::vector<float>& distances : distances_around_) {
+      for (size_t i = 0; i < kBlock; ++i) sums[i] += bump(distances[begin + i], inverse_kernel[i]);
+    }
+    for (size_t i = 0; i < kBlock; ++i) {
+      inverse_background_[begin + i] = 1.0f / std::max(kMinBackground, sums[i] / kBackgroundPlaces);
+    }
+  }
+}
+
+CPPLUS_VECTOR_CLONES double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
   const Eigen::Matrix<float, 6, 1> d = delta.cast<float>();
   std::array<float, kBlock> sums{};
   for (size_t begin = 0; begin < size_; begin += kBlock) {
@@ -127,10 +150,9 @@ SampleLikelihood sample_likelihood(MapEdgeKind kind, int edge_samples, double wi
   const float inverse_width = 1.0f / static_cast<float>(width_px);
   float sum = 0.0f;
   for (int k = -kBackgroundSteps; k <= kBackgroundSteps; ++k) {
-    const float offset = static_cast<float>(k) * kBackgroundReachPx / kBackgroundSteps;
-    sum += bump(static_cast<float>(distance(offset)), inverse_width);
+    sum += bump(static_cast<float>(distance(background_offset(k))), inverse_width);
   }
-  const float background = std::max(kMinBackground, sum / (2 * kBackgroundSteps + 1));
+  const float background = std::max(kMinBackground, sum / EdgeLikelihood::kBackgroundPlaces);
   return {kind, std::min(1.0f, kIndependentSamples / static_cast<float>(edge_samples)),
           bump(static_cast<float>(distance(0.0)), inverse_width) / background};
 }

@@ -36,6 +36,9 @@ double fitted_log_ratio(const std::vector<SampleLikelihood>& samples);
 /// the projection is linearised.
 class EdgeLikelihood {
  public:
+  /// Places across an edge, itself the middle one, that tell b.
+  static constexpr int kBackgroundPlaces = 17;
+
   /// Looks at no more than max_samples of the samples, evenly. `field` must outlive this.
   EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_map, const std::vector<MapEdge>& edges,
                  const std::vector<EdgeSample>& samples, const DirectionalDistanceField& field, int max_samples);
@@ -59,6 +62,7 @@ class EdgeLikelihood {
 
   void add(const ProjectedSample& projected, const MapEdge& edge, float weight);
   void fill_up();
+  void look_around();
 
   const DirectionalDistanceField& field_;
   size_t size_ = 0;
@@ -70,6 +74,7 @@ class EdgeLikelihood {
   std::vector<float> map_variance_;  // of the map edge's position across itself, square pixels
   std::vector<float> inverse_kernel_;
   std::vector<float> inverse_background_;  // of the kernel's value of a sample put here at random
+  std::array<std::vector<float>, kBackgroundPlaces> distances_around_;  // to the nearest image edge, pixels
   std::vector<int32_t> bin_;
   std::vector<MapEdgeKind> kind_;
 };

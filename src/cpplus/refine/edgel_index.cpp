@@ -9,33 +9,68 @@ namespace {
 
 // A distance that is far, in the field's units: any two add up without overflow.
 constexpr int kFar = 16000;
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+// Turns (cosine and sine) by angles from -max_angle_deg to max_angle_deg, with some room for rounding, none farther
+// from the next than an eighth of half a turn.
+std::vector<Eigen::Vector2d> turns_up_to(double max_angle_deg) {
+  constexpr double kEighthDeg = 22.5;
+  constexpr double kRoomDeg = 0.1;
+  const double widest = max_angle_deg + kRoomDeg;
+  const int steps = static_cast<int>(std::ceil(widest / kEighthDeg));
+  std::vector<Eigen::Vector2d> turns;
+  for (int k = -steps; k <= steps; ++k) {
+    const double angle = widest * k / steps * kRadPerDeg;
+    turns.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  return turns;
+}
 
 }  // namespace
 
-EdgelIndex::EdgelIndex(const ImageEdges& edges)
+EdgelIndex::EdgelIndex(const ImageEdges& edges, double max_angle_deg)
     : edges_(edges),
+      min_cos_(std::cos(max_angle_deg * kRadPerDeg)),
+      turns_(turns_up_to(max_angle_deg)),
       edgel_at_(static_cast<size_t>(edges.width) * static_cast<size_t>(edges.height), -1),
-      occupied_(edgel_at_.size() / 64 + 1, 0),
-      near_occupied_(occupied_.size(), 0) {
+      directions_near_(edgel_at_.size(), 0) {
   for (size_t i = 0; i < edges.edgels.size(); ++i) {
     const int x = static_cast<int>(std::lround(edges.edgels[i].pixel.x()));
     const int y = static_cast<int>(std::lround(edges.edgels[i].pixel.y()));
     if (x < 0 || y < 0 || x >= edges.width || y >= edges.height) continue;
-    const size_t at = index_of(x, y);
-    edgel_at_[at] = static_cast<int32_t>(i);
-    set(at, &occupied_);
+    edgel_at_[index_of(x, y)] = static_cast<int32_t>(i);
+    const uint8_t directions = agreeing_directions(edges.edgels[i]);
     for (int v = std::max(0, y - 1); v <= std::min(edges.height - 1, y + 1); ++v) {
-      for (int u = std::max(0, x - 1); u <= std::min(edges.width - 1, x + 1); ++u) set(index_of(u, v), &near_occupied_);
+      for (int u = std::max(0, x - 1); u <= std::min(edges.width - 1, x + 1); ++u) {
+        directions_near_[index_of(u, v)] |= directions;
+      }
     }
   }
 }
 
+uint8_t EdgelIndex::direction_of(const Eigen::Vector2d& normal) {
+  constexpr double kTan22 = 0.41421356237309503;  // of 22.5 degrees
+  const double x = std::abs(normal.x());
+  const double y = std::abs(normal.y());
+  const int eighth = y < kTan22 * x ? 0 : y < x ? 1 : kTan22 * y < x ? 2 : 3;
+  return static_cast<uint8_t>(1 << ((normal.x() < 0) == (normal.y() < 0) ? eighth : 7 - eighth));
+}
+
+uint8_t EdgelIndex::agreeing_directions(const ImageEdgel& edgel) const {
+  const Eigen::Vector2d n = edgel.normal.cast<double>();
+  uint8_t directions = 0;
+  for (const Eigen::Vector2d& turn : turns_) {
+    directions |= direction_of({turn.x() * n.x() - turn.y() * n.y(), turn.y() * n.x() + turn.x() * n.y()});
+  }
+  return directions;
+}
+
 template <typename Visit>
-void EdgelIndex::for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, double min_cos,
+void EdgelIndex::for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, uint8_t direction,
                                   const Visit& visit) const {
   // No pixel abreast lies farther from that of the place than one row and column.
   if (place.x() >= 0 && place.y() >= 0 && place.x() < edges_.width - 1 && place.y() < edges_.height - 1 &&
-      !is_set(index_of(static_cast<int>(place.x() + 0.5), static_cast<int>(place.y() + 0.5)), near_occupied_)) {
+      !(directions_near_[index_of(static_cast<int>(place.x() + 0.5), static_cast<int>(place.y() + 0.5))] & direction)) {
     return;
   }
   for (int side = -1; side <= 1; ++side) {
@@ -43,16 +78,18 @@ void EdgelIndex::for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vec
     const double x = place.x() - side * normal.y() + 0.5;
     const double y = place.y() + side * normal.x() + 0.5;
     if (!(x >= 0 && y >= 0 && x < edges_.width && y < edges_.height)) continue;
-    const size_t at = index_of(static_cast<int>(x), static_cast<int>(y));
-    if (!is_set(at, occupied_)) continue;
-    const uint32_t index = static_cast<uint32_t>(edgel_at_[at]);
-    if (std::abs(edgel(index).normal.cast<double>().dot(normal)) >= min_cos) visit(index);
+    const int32_t index = edgel_at_[index_of(static_cast<int>(x), static_cast<int>(y))];
+    if (index < 0) continue;
+    if (std::abs(edgel(static_cast<uint32_t>(index)).normal.cast<double>().dot(normal)) >= min_cos_) {
+      visit(static_cast<uint32_t>(index));
+    }
   }
 }
 
 std::optional<uint32_t> EdgelIndex::nearest_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
-                                                  double radius_px, double min_cos) const {
+                                                  double radius_px) const {
   const int steps = static_cast<int>(std::ceil(radius_px));
+  const uint8_t direction = direction_of(normal);
   std::optional<uint32_t> best;
   double best_distance = radius_px;
   const auto consider = [&](uint32_t index) {
@@ -63,18 +100,19 @@ std::optional<uint32_t> EdgelIndex::nearest_along(const Eigen::Vector2d& pixel, 
   };
   // Outwards on both sides, one pixel a step, three pixels wide so that no chain slips through diagonally.
   for (int step = 0; step <= steps && step - 1.0 <= best_distance; ++step) {
-    if (step > 0) for_each_abreast(pixel - step * normal, normal, min_cos, consider);
-    for_each_abreast(pixel + step * normal, normal, min_cos, consider);
+    if (step > 0) for_each_abreast(pixel - step * normal, normal, direction, consider);
+    for_each_abreast(pixel + step * normal, normal, direction, consider);
   }
   return best;
 }
 
 void EdgelIndex::all_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px,
-                           double min_cos, std::vector<uint32_t>* found) const {
+                           std::vector<uint32_t>* found) const {
   const int steps = static_cast<int>(std::ceil(radius_px));
+  const uint8_t direction = direction_of(normal);
   found->clear();
   for (int step = -steps; step <= steps; ++step) {
-    for_each_abreast(pixel + step * normal, normal, min_cos, [&](uint32_t index) {
+    for_each_abreast(pixel + step * normal, normal, direction, [&](uint32_t index) {
       if (std::find(found->begin(), found->end(), index) != found->end()) return;
       if (std::abs(normal.dot(edgel(index).pixel.cast<double>() - pixel)) > radius_px) return;
       found->push_back(index);

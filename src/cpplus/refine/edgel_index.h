@@ -11,40 +11,45 @@
 
 namespace cpplus {
 
-/// Finds image edges near a projected map edge that run in the same direction.
+/// Finds image edges near a projected map edge that run in the same direction: those whose normals differ by at most
+/// max_angle_deg, (0, 90).
 class EdgelIndex {
  public:
-  explicit EdgelIndex(const ImageEdges& edges);
+  /// `edges` must outlive this.
+  EdgelIndex(const ImageEdges& edges, double max_angle_deg);
 
-  /// The edgel nearest to `pixel` along the line through it in direction `normal` (unit), within radius_px, whose own
-  /// normal differs from it by at most acos(min_cos). Its index in ImageEdges::edgels; nothing if there is none.
-  std::optional<uint32_t> nearest_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px,
-                                        double min_cos) const;
+  /// The edgel nearest to `pixel` along the line through it in direction `normal` (unit), within radius_px, that runs
+  /// in the same direction. Its index in ImageEdges::edgels; nothing if there is none.
+  std::optional<uint32_t> nearest_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
+                                        double radius_px) const;
 
   /// All such edgels within radius_px of the pixel, each once, in the order in which they are come upon.
-  void all_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px, double min_cos,
+  void all_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal, double radius_px,
                  std::vector<uint32_t>* found) const;
 
   const ImageEdgel& edgel(uint32_t index) const { return edges_.edgels[index]; }
 
  private:
-  using Bits = std::vector<uint64_t>;  // one a pixel
-
   size_t index_of(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x);
   }
-  static bool is_set(size_t at, const Bits& bits) { return bits[at / 64] >> (at % 64) & 1; }
-  static void set(size_t at, Bits* bits) { (*bits)[at / 64] |= uint64_t{1} << (at % 64); }
+  // Bit of the eighth of half a turn that a normal points to, the same for the opposite one.
+  static uint8_t direction_of(const Eigen::Vector2d& normal);
+  // Bits of all normals that an edgel agrees with.
+  uint8_t agreeing_directions(const ImageEdgel& edgel) const;
 
   // Calls visit(index) for the edgels whose normal agrees at the three pixels abreast around a place.
   template <typename Visit>
-  void for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, double min_cos,
+  void for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vector2d& normal, uint8_t direction,
                         const Visit& visit) const;
 
   const ImageEdges& edges_;
+  double min_cos_;
+  std::vector<Eigen::Vector2d> turns_;
   std::vector<int32_t> edgel_at_;  // per pixel; -1 = none
-  Bits occupied_;                  // most pixels have none, and the bits stay in the cache
-  Bits near_occupied_;             // whether the pixel or one of its eight neighbours has one
+  // Per pixel the directions that edgels there and at its eight neighbours agree with: in most places it says at once
+  // that there is nothing to be found.
+  std::vector<uint8_t> directions_near_;
 };
 
 /// Truncated distances to the nearest edgel of about the same direction, one field for each of kBins directions, on a

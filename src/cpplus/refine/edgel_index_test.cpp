@@ -28,52 +28,72 @@ ImageEdges image_of(std::vector<ImageEdgel> edgels) {
   return edges;
 }
 
-const double kMinCos = std::cos(15.0 * std::numbers::pi / 180.0);
+constexpr double kMaxAngleDeg = 15.0;
 
 TEST(EdgelIndex, FindsTheNearestAlongTheNormal) {
   // Vertical edges (normals along x) at x = 13.7 and x = 26.2; the query lies at x = 19: 5.3 and 7.2 px away.
   const ImageEdges edges = image_of({edgel(13.7, 20, 0), edgel(26.2, 20, 180)});
-  const EdgelIndex index(edges);
-  EXPECT_EQ(index.nearest_along({19, 20}, {1, 0}, 8.0, kMinCos), 0u);
-  EXPECT_EQ(index.nearest_along({19, 20}, {-1, 0}, 8.0, kMinCos), 0u);
-  EXPECT_EQ(index.nearest_along({20.5, 20}, {1, 0}, 8.0, kMinCos), 1u);
-  EXPECT_FALSE(index.nearest_along({19, 20}, {1, 0}, 5.0, kMinCos));
+  const EdgelIndex index(edges, kMaxAngleDeg);
+  EXPECT_EQ(index.nearest_along({19, 20}, {1, 0}, 8.0), 0u);
+  EXPECT_EQ(index.nearest_along({19, 20}, {-1, 0}, 8.0), 0u);
+  EXPECT_EQ(index.nearest_along({20.5, 20}, {1, 0}, 8.0), 1u);
+  EXPECT_FALSE(index.nearest_along({19, 20}, {1, 0}, 5.0));
   EXPECT_FLOAT_EQ(index.edgel(1).pixel.x(), 26.2f);
 }
 
 TEST(EdgelIndex, RefusesCrossingLines) {
   // The nearest edgel runs across at 40 degrees, the one behind it along.
   const ImageEdges edges = image_of({edgel(22, 20, 40), edgel(24, 20, 10)});
-  const EdgelIndex index(edges);
-  EXPECT_EQ(index.nearest_along({20, 20}, {1, 0}, 8.0, kMinCos), 1u);
-  EXPECT_EQ(index.nearest_along({20, 20}, {1, 0}, 8.0, 0.5), 0u);
-  EXPECT_FALSE(index.nearest_along({20, 20}, {0, 1}, 8.0, kMinCos));
+  const EdgelIndex index(edges, kMaxAngleDeg);
+  EXPECT_EQ(index.nearest_along({20, 20}, {1, 0}, 8.0), 1u);
+  EXPECT_EQ(EdgelIndex(edges, 60.0).nearest_along({20, 20}, {1, 0}, 8.0), 0u);
+  EXPECT_FALSE(index.nearest_along({20, 20}, {0, 1}, 8.0));
 }
 
 TEST(EdgelIndex, DoesNotLookAlongTheEdge) {
   const ImageEdges edges = image_of({edgel(20, 26, 0)});
-  const EdgelIndex index(edges);
-  EXPECT_FALSE(index.nearest_along({20, 20}, {1, 0}, 8.0, kMinCos));
+  const EdgelIndex index(edges, kMaxAngleDeg);
+  EXPECT_FALSE(index.nearest_along({20, 20}, {1, 0}, 8.0));
 }
 
 TEST(EdgelIndex, ADiagonalChainIsNotSlippedThrough) {
   std::vector<ImageEdgel> chain;
   for (int i = 0; i < 30; ++i) chain.push_back(edgel(10 + i, 10 + i, -45));
   const ImageEdges edges = image_of(chain);
-  const EdgelIndex index(edges);
+  const EdgelIndex index(edges, kMaxAngleDeg);
   const Eigen::Vector2d normal = Eigen::Vector2d(1, -1).normalized();
   for (double offset = -6; offset <= 6; offset += 0.1) {
     const Eigen::Vector2d pixel = Eigen::Vector2d(25, 25) + offset * normal;
-    ASSERT_TRUE(index.nearest_along(pixel, normal, 7.0, kMinCos)) << offset;
+    ASSERT_TRUE(index.nearest_along(pixel, normal, 7.0)) << offset;
+  }
+}
+
+TEST(EdgelIndex, AgreesUpToTheAngleInAllDirections) {
+  for (const double max_angle_deg : {3.0, 15.0, 40.0, 85.0}) {
+    for (double angle_deg = 0.0; angle_deg < 360.0; angle_deg += 7.3) {
+      const ImageEdges edges = image_of({edgel(20, 20, angle_deg)});
+      const EdgelIndex index(edges, max_angle_deg);
+      const auto is_found = [&](double off_deg) {
+        const double angle = (angle_deg + off_deg) * std::numbers::pi / 180.0;
+        std::vector<uint32_t> found;
+        index.all_along({20, 20}, {std::cos(angle), std::sin(angle)}, 3.0, &found);
+        return !found.empty();
+      };
+      for (const int side : {-1, 1}) {
+        EXPECT_TRUE(is_found(side * (max_angle_deg - 0.01))) << angle_deg << " " << max_angle_deg;
+        EXPECT_FALSE(is_found(side * (max_angle_deg + 0.01))) << angle_deg << " " << max_angle_deg;
+        EXPECT_TRUE(is_found(180.0 + side * (max_angle_deg - 0.01))) << angle_deg << " " << max_angle_deg;
+      }
+    }
   }
 }
 
 TEST(EdgelIndex, OutsideTheImageThereIsNothing) {
   const ImageEdges edges = image_of({edgel(1, 1, 0)});
-  const EdgelIndex index(edges);
-  EXPECT_FALSE(index.nearest_along({-40, 1}, {1, 0}, 8.0, kMinCos));
-  EXPECT_FALSE(index.nearest_along({500, 500}, {1, 0}, 8.0, kMinCos));
-  EXPECT_EQ(index.nearest_along({-3, 1}, {1, 0}, 8.0, kMinCos), 0u);
+  const EdgelIndex index(edges, kMaxAngleDeg);
+  EXPECT_FALSE(index.nearest_along({-40, 1}, {1, 0}, 8.0));
+  EXPECT_FALSE(index.nearest_along({500, 500}, {1, 0}, 8.0));
+  EXPECT_EQ(index.nearest_along({-3, 1}, {1, 0}, 8.0), 0u);
 }
 
 TEST(DirectionalDistanceField, OppositeNormalsShareABin) {

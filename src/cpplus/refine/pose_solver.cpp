@@ -1,102 +1,101 @@
 #include "cpplus/refine/pose_solver.h"
 
-#include <ceres/tiny_solver.h>
-
+#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace cpplus {
 namespace {
 
-// Change of the squared normalised residuals' sum below which a pose moves by less than a thirtieth of its standard
-// deviation.
+// Change of the cost below which a pose moves by less than a thirtieth of its standard deviation.
 constexpr double kNoticeableCost = 1e-3;
+// Over so many pixels a projection is as good as linear: what bends is the square of the shift over the focal length.
+constexpr double kLinearShiftPx = 2.0;
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-// Right Jacobian of SO(3): Exp(v + dv) = Exp(v) Exp(J dv).
-Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& v) {
-  const double angle = v.norm();
-  const Eigen::Matrix3d s = skew(v);
-  if (angle < 1e-6) return Eigen::Matrix3d::Identity() - 0.5 * s;
-  return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / (angle * angle) * s +
-         (angle - std::sin(angle)) / (angle * angle * angle) * s * s;
-}
-
-// The robust residual of a plain one and its derivative by it.
-struct RobustValue {
-  double value;
-  double slope;
-};
-
-// log(1 + x) for x >= 0 in half the time of std::log1p: what that is better at is covered by the series.
-double log_1p(double x) { return x < 1e-4 ? x * (1.0 - x * (0.5 - x / 3.0)) : std::log(1.0 + x); }
-
-RobustValue cauchy(double residual, double weight, double scale) {
-  const double s = residual / scale;
-  const double root = scale * std::sqrt(weight * log_1p(s * s));
-  // sqrt(log(1 + s^2)) / s goes to 1 at 0, where its formula is 0 / 0.
-  if (std::abs(s) < 1e-6) return {std::sqrt(weight) * residual, std::sqrt(weight)};
-  return {std::copysign(root, residual), weight * scale * std::abs(s) / ((1.0 + s * s) * root)};
+Vector6d minimise_linear(const MatchEquations& equations, const Matrix6d& prior_information, const Vector6d& prior_mean,
+                         double loss_scale, int max_iterations, int* iterations) {
+  Vector6d delta = Vector6d::Zero();
+  while (*iterations < max_iterations) {
+    ++*iterations;
+    Matrix6d information = prior_information;
+    Vector6d gradient = prior_information * (delta - prior_mean);
+    equations.add_normal_equations(delta, loss_scale, &information, &gradient);
+    const Vector6d step = information.ldlt().solve(gradient);
+    delta -= step;
+    if (!(step.dot(gradient) >= kNoticeableCost)) break;
+  }
+  return delta;
 }
 
 }  // namespace
 
-PoseResiduals::PoseResiduals(const Camera& camera, const Rigid3& base_camera_from_map,
-                             const std::vector<EdgeMatch>& matches, const PoseGuess& guess, double loss_scale)
-    : camera_(camera),
-      matches_(matches),
-      base_camera_from_map_(base_camera_from_map),
-      prior_mean_(camera_difference(base_camera_from_map, guess.camera_from_map)),
-      prior_root_information_(guess.root().triangularView<Eigen::Lower>().solve(Matrix6d::Identity())),
-      loss_scale_(loss_scale) {}
+MatchEquations::MatchEquations(const std::vector<EdgeMatch>& matches)
+    : residual_px_(matches.size()),
+      jacobian_(matches.size(), 6),
+      variance_px2_(matches.size()),
+      weight_(matches.size()) {
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const EdgeMatch& m = matches[i];
+    set(static_cast<Eigen::Index>(i), m, m.projected.pixel, m.projected.d_pixel_d_delta);
+  }
+}
 
-bool PoseResiduals::operator()(const double* delta, double* residuals, double* jacobian) const {
-  const Eigen::Map<const Vector6d> d(delta);
-  const auto num_matches = static_cast<Eigen::Index>(matches_.size());
-  Eigen::Map<Eigen::VectorXd> r(residuals, num_matches + 6);
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6>> j(jacobian, jacobian ? num_matches + 6 : 0, 6);
-
-  const Eigen::Matrix3d unturn = so3_exp(-d.head<3>());
-  const Eigen::Matrix3d camera_from_map = unturn * base_camera_from_map_.rotation.toRotationMatrix();
-  const Eigen::Vector3d offset = unturn * (base_camera_from_map_.translation - d.tail<3>());
-  const Eigen::Matrix3d turning = right_jacobian(d.head<3>());
-  for (Eigen::Index i = 0; i < num_matches; ++i) {
-    const EdgeMatch& m = matches_[static_cast<size_t>(i)];
-    const Eigen::Vector3d x = camera_from_map * m.x_in_map + offset;
+MatchEquations::MatchEquations(const std::vector<EdgeMatch>& matches, const Camera& camera,
+                               const Rigid3& camera_from_map)
+    : residual_px_(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(matches.size()))),
+      jacobian_(Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(static_cast<Eigen::Index>(matches.size()), 6)),
+      variance_px2_(Eigen::ArrayXd::Ones(static_cast<Eigen::Index>(matches.size()))),
+      weight_(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(matches.size()))) {
+  const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const EdgeMatch& m = matches[i];
+    const Eigen::Vector3d x_in_camera = rotation * m.x_in_map + camera_from_map.translation;
     Eigen::Vector2d pixel;
     Eigen::Matrix<double, 2, 3> d_pixel_d_x;
-    if (!camera_.project(x, &pixel, jacobian ? &d_pixel_d_x : nullptr)) {
-      r(i) = 0.0;
-      if (jacobian) j.row(i).setZero();
-      continue;
-    }
-    const RobustValue robust = cauchy(m.normal.dot(pixel - m.pixel) / m.sigma_px, m.weight, loss_scale_);
-    r(i) = robust.value;
-    if (!jacobian) continue;
-    const Eigen::Vector3d slope = d_pixel_d_x.transpose() * (robust.slope / m.sigma_px * m.normal);
-    j.row(i).head<3>() = slope.cross(x).transpose() * turning;  // slope^T skew(x) = (slope x x)^T
-    j.row(i).tail<3>() = -slope.transpose() * unturn;
+    if (!camera.project(x_in_camera, &pixel, &d_pixel_d_x)) continue;
+    set(static_cast<Eigen::Index>(i), m, pixel, d_pixel_d_x * d_camera_point_d_delta(x_in_camera));
   }
-  r.tail<6>() = prior_root_information_ * (d - prior_mean_);
-  if (jacobian) j.bottomRows<6>() = prior_root_information_;
-  return true;
+}
+
+void MatchEquations::set(Eigen::Index i, const EdgeMatch& match, const Eigen::Vector2d& pixel,
+                         const Eigen::Matrix<double, 2, 6>& d_pixel_d_delta) {
+  residual_px_(i) = match.normal.dot(pixel - match.pixel);
+  jacobian_.row(i) = match.normal.transpose() * d_pixel_d_delta;
+  variance_px2_(i) = match.sigma_px * match.sigma_px;
+  weight_(i) = match.weight;
+}
+
+void MatchEquations::add_normal_equations(const Vector6d& delta, double loss_scale, Matrix6d* information,
+                                          Vector6d* gradient) const {
+  const Eigen::VectorXd residual_px = residual_px_.matrix() + jacobian_ * delta;
+  const Eigen::VectorXd weight =
+      weight_ / (variance_px2_ + residual_px.array().square() * (1.0 / (loss_scale * loss_scale)));
+  const Eigen::Matrix<double, Eigen::Dynamic, 6> weighted = weight.asDiagonal() * jacobian_;
+  information->noalias() += weighted.transpose() * jacobian_;
+  gradient->noalias() += weighted.transpose() * residual_px;
+}
+
+double MatchEquations::rms_shift_px(const Vector6d& delta) const {
+  if (residual_px_.size() == 0) return 0.0;
+  return (jacobian_ * delta).norm() / std::sqrt(static_cast<double>(residual_px_.size()));
 }
 
 PoseSolution solve_pose(const Camera& camera, const Rigid3& start_camera_from_map,
                         const std::vector<EdgeMatch>& matches, const PoseGuess& guess, double loss_scale,
                         int max_iterations) {
-  const PoseResiduals residuals(camera, start_camera_from_map, matches, guess, loss_scale);
-  ceres::TinySolver<PoseResiduals> solver;
-  solver.options.max_num_iterations = max_iterations;
-  solver.options.function_tolerance = kNoticeableCost;
-  Vector6d delta = Vector6d::Zero();
-  solver.Solve(residuals, &delta);
-  if (!delta.allFinite()) return {start_camera_from_map, solver.summary.iterations};
-  return {perturb_camera(start_camera_from_map, delta), solver.summary.iterations};
+  const Matrix6d prior_information = guess.covariance.llt().solve(Matrix6d::Identity());
+  PoseSolution solution;
+  solution.camera_from_map = start_camera_from_map;
+  MatchEquations equations(matches);
+  while (solution.iterations < max_iterations) {
+    const Vector6d delta = minimise_linear(equations, prior_information,
+                                           camera_difference(solution.camera_from_map, guess.camera_from_map),
+                                           loss_scale, max_iterations, &solution.iterations);
+    if (!delta.allFinite()) return {start_camera_from_map, solution.iterations};
+    solution.camera_from_map = perturb_camera(solution.camera_from_map, delta);
+    if (equations.rms_shift_px(delta) < kLinearShiftPx) break;
+    equations = MatchEquations(matches, camera, solution.camera_from_map);
+  }
+  return solution;
 }
 
 }  // namespace cpplus

@@ -9,8 +9,6 @@
 namespace cpplus {
 namespace {
 
-using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, 6>;
-
 std::vector<std::pair<const char*, Camera>> cameras() {
   return {{"PINHOLE", Camera(CameraModel::kPinhole, 640, 480, {400, 410, 320, 240})},
           {"OPENCV", Camera(CameraModel::kOpenCv, 640, 480, {400, 410, 320, 240, -0.2, 0.05, 0.001, -0.002})},
@@ -41,100 +39,98 @@ EdgeMatch match(const Eigen::Vector3d& x_in_map, const Eigen::Vector2d& pixel, c
 
 PoseGuess wide_guess(const Rigid3& camera_from_map) { return {camera_from_map, Vector6d(Vector6d::Constant(1e6))}; }
 
-Eigen::VectorXd evaluate(const PoseResiduals& residuals, const Vector6d& delta, Jacobian* jacobian) {
-  Eigen::VectorXd r(residuals.NumResiduals());
-  if (jacobian) jacobian->resize(residuals.NumResiduals(), 6);
-  EXPECT_TRUE(residuals(delta.data(), r.data(), jacobian ? jacobian->data() : nullptr));
-  return r;
+// Projects a sample of an edge along which the image edge lies, as matching does.
+EdgeMatch projected(EdgeMatch m, const Camera& camera, const Rigid3& camera_from_map) {
+  EdgeSample sample;
+  sample.x_in_map = m.x_in_map;
+  sample.direction_in_map = Eigen::Vector3d(0.3, 0.8, -0.5).normalized();
+  m.projected = project_sample(camera, ImagePose(camera_from_map), sample).value();
+  return m;
 }
 
-TEST(PoseResiduals, AHandComputedResidual) {
+struct NormalEquations {
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+};
+
+NormalEquations normal_equations(const MatchEquations& equations, const Vector6d& delta, double loss_scale) {
+  NormalEquations n;
+  equations.add_normal_equations(delta, loss_scale, &n.information, &n.gradient);
+  return n;
+}
+
+// Half the robust cost of one match.
+double half_cost(const EdgeMatch& m, const Camera& camera, const Rigid3& camera_from_map, double loss_scale) {
+  const Eigen::Vector2d pixel = camera.project(camera_from_map * m.x_in_map).value();
+  const double r = m.normal.dot(pixel - m.pixel) / m.sigma_px / loss_scale;
+  return 0.5 * m.weight * loss_scale * loss_scale * std::log1p(r * r);
+}
+
+TEST(MatchEquations, AHandComputedMatch) {
   // The point (0.5, 0.25, 2) is seen at (320 + 400 / 4, 240 + 410 / 8) = (420, 291.25): 3 px right of and 4 px below
   // the edgel. Along the normal (0.6, 0.8) that is 5 px, two standard deviations.
   const Camera camera = cameras()[0].second;
-  const std::vector<EdgeMatch> matches = {match({0.5, 0.25, 2.0}, {417, 287.25}, {0.6, 0.8}, 2.5, 0.5)};
-  constexpr double kScale = 1.5;
-  const PoseResiduals residuals(camera, Rigid3(), matches, wide_guess(Rigid3()), kScale);
-  Jacobian jacobian;
-  const Eigen::VectorXd r = evaluate(residuals, Vector6d::Zero(), &jacobian);
-  ASSERT_EQ(r.size(), 7);
-  // Half of Cauchy's loss of a residual of 2.
-  EXPECT_NEAR(r(0) * r(0), 0.5 * 2.25 * std::log(1.0 + 4.0 / 2.25), 1e-12);
-  // A camera that moves right by 1 m moves the point left by 400 / 2 px: -200 * 0.6 / 2.5 in plain residuals. The
-  // gradient of half the loss is w rho'(4) r dr = 0.5 / (1 + 4 / 2.25) * 2 * -48.
-  EXPECT_NEAR(r(0) * jacobian(0, 3), 0.5 / (1.0 + 4.0 / 2.25) * 2.0 * -48.0, 1e-9);
-  EXPECT_NEAR(jacobian(0, 4) / jacobian(0, 3), 205.0 * 0.8 / (200.0 * 0.6), 1e-9);
+  const EdgeMatch m = projected(match({0.5, 0.25, 2.0}, {417, 287.25}, {0.6, 0.8}, 2.5, 0.5), camera, Rigid3());
+  const NormalEquations n = normal_equations(MatchEquations({m}), Vector6d::Zero(), 1.5);
+  // A camera that moves right by 1 m moves the point left by 400 / 2 px, one that moves down up by 205 px: -120 and
+  // -164 px along the normal. Cauchy's loss leaves a residual of two deviations 1 / (1 + 4 / 2.25) of its weight.
+  const double weight = 0.5 / 6.25 / (1.0 + 4.0 / 2.25);
+  EXPECT_NEAR(n.gradient(3), weight * 5.0 * -120.0, 1e-9);
+  EXPECT_NEAR(n.information(3, 3), weight * 120.0 * 120.0, 1e-9);
+  EXPECT_NEAR(n.information(3, 4), weight * 120.0 * 164.0, 1e-9);
+  EXPECT_NEAR(MatchEquations({m}).rms_shift_px(0.1 * Vector6d::Unit(3)), 12.0, 1e-9);
 }
 
-TEST(PoseResiduals, AreThoseOfThePerturbedCamera) {
-  const Eigen::Vector2d edgel(300, 200), normal(-0.8, 0.6);
+TEST(MatchEquations, TheGradientIsThatOfTheRobustCost) {
   for (const auto& [name, camera] : cameras()) {
     for (const Vector6d& delta : perturbations()) {
       SCOPED_TRACE(testing::Message() << name << " " << delta.transpose());
+      const Rigid3 pose = perturb_camera(some_pose(), delta);
       const Eigen::Vector3d x_in_map = inverse(some_pose()) * Eigen::Vector3d(0.4, -0.3, 2.5);
-      const std::vector<EdgeMatch> matches = {match(x_in_map, edgel, normal, 0.7)};
-      constexpr double kNoLoss = 1e6;
-      const PoseResiduals residuals(camera, some_pose(), matches, wide_guess(some_pose()), kNoLoss);
-      const auto pixel = camera.project(perturb_camera(some_pose(), delta) * x_in_map);
-      ASSERT_TRUE(pixel);
-      EXPECT_NEAR(evaluate(residuals, delta, nullptr)(0), normal.dot(*pixel - edgel) / 0.7, 1e-3);
-    }
-  }
-}
-
-TEST(PoseResiduals, TheJacobianIsThatOfDifferences) {
-  PoseGuess guess{some_pose(), Vector6d(Vector6d::Constant(0.1))};
-  guess.covariance(2, 4) = guess.covariance(4, 2) = 0.005;
-  for (const auto& [name, camera] : cameras()) {
-    for (const Vector6d& delta : perturbations()) {
-      SCOPED_TRACE(testing::Message() << name << " " << delta.transpose());
-      const Eigen::Vector3d x_in_map = inverse(some_pose()) * Eigen::Vector3d(0.4, -0.3, 2.5);
-      const std::vector<EdgeMatch> matches = {match(x_in_map, {300, 200}, {0.6, 0.8}, 1.3, 0.3)};
-      const PoseResiduals residuals(camera, some_pose(), matches, guess, 1.5);
-      Jacobian jacobian;
-      evaluate(residuals, delta, &jacobian);
+      const EdgeMatch m = projected(match(x_in_map, {300, 200}, {0.6, 0.8}, 1.3, 0.3), camera, pose);
+      const Vector6d gradient = normal_equations(MatchEquations({m}), Vector6d::Zero(), 1.5).gradient;
       for (int k = 0; k < 6; ++k) {
-        Vector6d step = Vector6d::Zero();
-        step(k) = 1e-6;
-        const Eigen::VectorXd numeric =
-            (evaluate(residuals, delta + step, nullptr) - evaluate(residuals, delta - step, nullptr)) / 2e-6;
-        EXPECT_LT((numeric - jacobian.col(k)).norm(), 1e-5 * (1.0 + jacobian.col(k).norm())) << "component " << k;
+        const Vector6d step = 1e-6 * Vector6d::Unit(k);
+        const double numeric = (half_cost(m, camera, perturb_camera(pose, step), 1.5) -
+                                half_cost(m, camera, perturb_camera(pose, -step), 1.5)) /
+                               2e-6;
+        EXPECT_NEAR(gradient(k), numeric, 1e-5 * (1.0 + gradient.norm())) << "component " << k;
       }
     }
   }
 }
 
-TEST(PoseResiduals, ASampleBehindTheCameraPullsNowhere) {
-  const Camera camera = cameras()[0].second;
-  const std::vector<EdgeMatch> matches = {match({0.5, 0.25, -2.0}, {417, 287.25}, {0.6, 0.8}, 2.5)};
-  Jacobian jacobian;
-  const Eigen::VectorXd r =
-      evaluate(PoseResiduals(camera, Rigid3(), matches, wide_guess(Rigid3()), 1.5), Vector6d::Zero(), &jacobian);
-  EXPECT_EQ(r(0), 0.0);
-  EXPECT_EQ(jacobian.row(0).norm(), 0.0);
+TEST(MatchEquations, AboutAnotherPoseAreThoseOfMatchesProjectedFromIt) {
+  for (const auto& [name, camera] : cameras()) {
+    SCOPED_TRACE(name);
+    const Rigid3 other = perturb_camera(some_pose(), perturbations()[2]);
+    const EdgeMatch m = match(inverse(some_pose()) * Eigen::Vector3d(0.4, -0.3, 2.5), {300, 200}, {0.6, 0.8}, 1.3, 0.3);
+    const Vector6d delta = perturbations()[1];
+    const NormalEquations expected = normal_equations(MatchEquations({projected(m, camera, other)}), delta, 1.5);
+    const NormalEquations found =
+        normal_equations(MatchEquations({projected(m, camera, some_pose())}, camera, other), delta, 1.5);
+    EXPECT_LT((found.information - expected.information).norm(), 1e-9 * expected.information.norm());
+    EXPECT_LT((found.gradient - expected.gradient).norm(), 1e-9 * expected.gradient.norm());
+  }
 }
 
-TEST(PoseResiduals, ThePriorIsTheDistanceFromTheGuessInStandardDeviations) {
-  Vector6d mean, delta, expected;
-  Vector6d sigmas;
-  mean << 0.0, 0.0, 0.0, 0.1, 0.0, -0.1;
-  sigmas << 0.01, 0.01, 0.02, 0.1, 0.2, 0.1;
-  const PoseGuess guess{perturb_camera(Rigid3(), mean), sigmas};
-  delta << 0.02, 0.0, 0.02, 0.1, -0.4, 0.2;
-  expected << 2, 0, 1, 0, -2, 3;
-  const std::vector<EdgeMatch> none;
+TEST(MatchEquations, ASampleBehindTheCameraPullsNowhere) {
   const Camera camera = cameras()[0].second;
-  EXPECT_LT((evaluate(PoseResiduals(camera, Rigid3(), none, guess, 1.5), delta, nullptr) - expected).norm(), 1e-12);
+  const std::vector<EdgeMatch> matches = {match({0.5, 0.25, -2.0}, {417, 287.25}, {0.6, 0.8}, 2.5)};
+  const NormalEquations n = normal_equations(MatchEquations(matches, camera, Rigid3()), Vector6d::Zero(), 1.5);
+  EXPECT_EQ(n.gradient.norm(), 0.0);
+  EXPECT_EQ(n.information.norm(), 0.0);
 }
 
 // Points on a wavy sheet, each matched along alternating directions: a well-determined pose.
-std::vector<EdgeMatch> exact_matches(const Camera& camera, const Rigid3& true_pose) {
+std::vector<EdgeMatch> exact_matches(const Camera& camera, const Rigid3& true_pose, const Rigid3& start) {
   std::vector<EdgeMatch> matches;
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d x_in_camera(std::sin(1.7 * i), 0.7 * std::cos(2.9 * i), 3.0 + std::sin(0.9 * i));
     const double angle = 0.8 * i;
-    matches.push_back(
-        match(inverse(true_pose) * x_in_camera, *camera.project(x_in_camera), {std::cos(angle), std::sin(angle)}, 0.5));
+    matches.push_back(projected(
+        match(inverse(true_pose) * x_in_camera, *camera.project(x_in_camera), {std::cos(angle), std::sin(angle)}, 0.5),
+        camera, start));
   }
   return matches;
 }
@@ -142,18 +138,49 @@ std::vector<EdgeMatch> exact_matches(const Camera& camera, const Rigid3& true_po
 TEST(SolvePose, FindsThePoseOfExactMatchesDespiteAFalseOne) {
   for (const auto& [name, camera] : cameras()) {
     SCOPED_TRACE(name);
-    std::vector<EdgeMatch> matches = exact_matches(camera, some_pose());
-    matches.push_back(matches.front());
-    matches.back().pixel += Eigen::Vector2d(15, -15);
     Vector6d off;
     off << 0.004, -0.003, 0.002, 0.01, 0.01, -0.02;
     const Rigid3 start = perturb_camera(some_pose(), off);
+    std::vector<EdgeMatch> matches = exact_matches(camera, some_pose(), start);
+    matches.push_back(matches.front());
+    matches.back().pixel += Eigen::Vector2d(15, -15);
     const PoseSolution solution = solve_pose(camera, start, matches, wide_guess(start), 1.5, 20);
     const Vector6d error = camera_difference(some_pose(), solution.camera_from_map);
     EXPECT_LT(error.head<3>().norm(), 1e-4);
     EXPECT_LT(error.tail<3>().norm(), 3e-4);
     EXPECT_GT(solution.iterations, 1);
   }
+}
+
+TEST(SolvePose, FindsAPoseThatIsSoFarThatTheProjectionBends) {
+  for (const auto& [name, camera] : cameras()) {
+    SCOPED_TRACE(name);
+    Vector6d off;
+    off << 0.06, -0.05, 0.08, 0.1, 0.1, -0.15;
+    const Rigid3 start = perturb_camera(some_pose(), off);
+    constexpr double kNoLoss = 1e6;
+    const PoseSolution solution =
+        solve_pose(camera, start, exact_matches(camera, some_pose(), start), wide_guess(start), kNoLoss, 20);
+    // The last shift over which the projection counted as linear leaves about its square over the focal length, 0.01
+    // px.
+    EXPECT_LT(camera_difference(some_pose(), solution.camera_from_map).norm(), 2e-4);
+  }
+}
+
+TEST(SolvePose, WeighsMatchesAgainstTheGuess) {
+  // Many equal matches say that the camera is 0.1 m further right, the guess that it is where it started: with w times
+  // n matches of 200 px / m and 2 px, and a guess of 0.02 m, the solution lies in between by their informations.
+  const Camera camera = cameras()[0].second;
+  EdgeMatch m = match({0.0, 0.0, 2.0}, {320 - 20, 240}, {1.0, 0.0}, 2.0, 0.25);
+  const std::vector<EdgeMatch> matches(8, projected(m, camera, Rigid3()));
+  Vector6d sigmas = Vector6d::Constant(1e-9);
+  sigmas(3) = 0.02;
+  constexpr double kNoLoss = 1e6;
+  const PoseSolution solution = solve_pose(camera, Rigid3(), matches, PoseGuess(Rigid3(), sigmas), kNoLoss, 20);
+  const double of_matches = 8 * 0.25 * 100.0 * 100.0;
+  const double of_guess = 1.0 / (0.02 * 0.02);
+  EXPECT_NEAR(camera_difference(Rigid3(), solution.camera_from_map)(3), 0.1 * of_matches / (of_matches + of_guess),
+              1e-6);
 }
 
 TEST(SolvePose, StaysAtTheGuessWithoutMatches) {

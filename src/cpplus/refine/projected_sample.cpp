@@ -36,12 +36,7 @@ std::optional<ProjectedSample> project_sample(const Camera& camera, const ImageP
   if (length < 1e-6) return std::nullopt;
   projected.normal = Eigen::Vector2d(-tangent.y(), tangent.x()) / length;
 
-  // x_in_camera(delta) = Exp(-delta_rotation) (x_in_camera - delta_translation): see perturb_camera.
-  Eigen::Matrix<double, 3, 6> d_point_d_delta;
-  d_point_d_delta << 0, -x_in_camera.z(), x_in_camera.y(), -1, 0, 0,  //
-      x_in_camera.z(), 0, -x_in_camera.x(), 0, -1, 0,                 //
-      -x_in_camera.y(), x_in_camera.x(), 0, 0, 0, -1;
-  projected.d_pixel_d_delta = d_pixel_d_camera_point * d_point_d_delta;
+  projected.d_pixel_d_delta = d_pixel_d_camera_point * d_camera_point_d_delta(x_in_camera);
   return projected;
 }
 

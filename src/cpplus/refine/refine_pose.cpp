@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "cpplus/refine/degeneracy.h"
@@ -27,10 +26,9 @@ class PoseRefiner {
         coarse_(coarse),
         guess_(guess),
         edges_(edges),
-        index_(image_edges),
+        index_(image_edges, options.max_angle_deg),
         field_(image_edges, kFieldCellPx, 3.0 * options.search.first_kernel_px),
-        options_(options),
-        min_cos_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {
+        options_(options) {
     split(samples);
     for (const std::vector<EdgeSample>& fold : folds_) all_.insert(all_.end(), fold.begin(), fold.end());
   }
@@ -104,7 +102,7 @@ class PoseRefiner {
     for (const EdgeSample& sample : samples) {
       const auto projected = project_sample(camera_, pose, sample);
       if (!projected) continue;
-      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, radius_px, min_cos_);
+      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, radius_px);
       if (!edgel) continue;
       // Across the projected edge: an edgel's own normal is 2 degrees noisy, which would pass for evidence along
       // the edge where all edges are parallel.
@@ -139,7 +137,7 @@ class PoseRefiner {
     for (const EdgeSample& sample : samples) {
       const auto projected = project_sample(camera_, pose, sample);
       if (!projected) continue;
-      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, options_.first_radius_px, min_cos_);
+      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, options_.first_radius_px);
       residual->num_matches += edgel.has_value();
       distances->push_back(edgel ? std::abs(index_.edgel(*edgel).normal.cast<double>().dot(
                                        index_.edgel(*edgel).pixel.cast<double>() - projected->pixel))
@@ -202,7 +200,6 @@ class PoseRefiner {
   const EdgelIndex index_;
   const DirectionalDistanceField field_;
   const RefinePoseOptions& options_;
-  double min_cos_;
   std::vector<std::vector<EdgeSample>> folds_;
   std::vector<EdgeSample> all_;  // by fold
 };
