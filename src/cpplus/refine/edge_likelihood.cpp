@@ -45,15 +45,22 @@ EdgeLikelihood::EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_m
   for (size_t i = 0; i < samples.size(); i += step) {
     const auto projected = project_sample(camera, camera_from_map, samples[i]);
     if (!projected) continue;
-    const float independent = std::min(1.0f, kIndependentSamples / static_cast<float>(samples[i].edge_samples));
-    add(*projected, edges[samples[i].edge], static_cast<float>(step) * independent);
+    add({&samples[i], *projected}, edges[samples[i].edge], static_cast<float>(step));
   }
-  size_ = x_.size();
   fill_up();
   look_around();
 }
 
-void EdgeLikelihood::add(const ProjectedSample& projected, const MapEdge& edge, float weight) {
+EdgeLikelihood::EdgeLikelihood(const std::vector<SampleInImage>& samples, const std::vector<MapEdge>& edges,
+                               const DirectionalDistanceField& field)
+    : field_(field) {
+  for (const SampleInImage& s : samples) add(s, edges[s.sample->edge], 1.0f);
+  fill_up();
+  look_around();
+}
+
+void EdgeLikelihood::add(const SampleInImage& sample, const MapEdge& edge, float share) {
+  const ProjectedSample& projected = sample.projected;
   x_.push_back(static_cast<float>(projected.pixel.x()));
   y_.push_back(static_cast<float>(projected.pixel.y()));
   for (Eigen::Index k = 0; k < 12; ++k) {
@@ -61,7 +68,7 @@ void EdgeLikelihood::add(const ProjectedSample& projected, const MapEdge& edge, 
   }
   normal_x_.push_back(static_cast<float>(projected.normal.x()));
   normal_y_.push_back(static_cast<float>(projected.normal.y()));
-  weight_.push_back(weight);
+  weight_.push_back(share * std::min(1.0f, kIndependentSamples / static_cast<float>(sample.sample->edge_samples)));
   const Eigen::RowVector3d across = projected.normal.transpose() * projected.d_pixel_d_point;
   map_variance_.push_back(static_cast<float>((across * edge.covariance * across.transpose()).value()));
   bin_.push_back(DirectionalDistanceField::bin_of(projected.normal));
@@ -69,6 +76,7 @@ void EdgeLikelihood::add(const ProjectedSample& projected, const MapEdge& edge, 
 }
 
 void EdgeLikelihood::fill_up() {
+  size_ = x_.size();
   const size_t filled = (size_ + kBlock - 1) / kBlock * kBlock;
   for (std::vector<float>* values : {&x_, &y_, &normal_x_, &normal_y_, &weight_}) values->resize(filled, 0.0f);
   map_variance_.resize(filled, 1.0f);

@@ -29,6 +29,12 @@ SampleLikelihood sample_likelihood(MapEdgeKind kind, int edge_samples, double wi
 /// Sum of log(1 - a + a ratio) with the share a of edges that the image shows fitted for each kind of edge.
 double fitted_log_ratio(const std::vector<SampleLikelihood>& samples);
 
+/// An edge sample and where a pose sees it.
+struct SampleInImage {
+  const EdgeSample* sample = nullptr;
+  ProjectedSample projected;
+};
+
 /// How much better the edges of the map explain the image from a pose than edges put at random would: the sum over the
 /// samples of log(1 - a + a k(d) / b), where d is the distance to the nearest image edge of the sample's direction, k a
 /// kernel as wide as the edge is uncertain, b the mean of k around the sample, and a the share of edges that the image
@@ -42,6 +48,9 @@ class EdgeLikelihood {
   /// Looks at no more than max_samples of the samples, evenly. `field` must outlive this.
   EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_map, const std::vector<MapEdge>& edges,
                  const std::vector<EdgeSample>& samples, const DirectionalDistanceField& field, int max_samples);
+  /// Looks at all of them.
+  EdgeLikelihood(const std::vector<SampleInImage>& samples, const std::vector<MapEdge>& edges,
+                 const DirectionalDistanceField& field);
 
   /// Standard deviation of the kernel for an edge that is known exactly, pixels. To be set before log_ratio().
   void set_kernel(double kernel_px);
@@ -60,7 +69,8 @@ class EdgeLikelihood {
   // Samples are looked at in blocks of so many; the last block is filled up with samples of no weight.
   static constexpr size_t kBlock = 32;
 
-  void add(const ProjectedSample& projected, const MapEdge& edge, float weight);
+  // `share`: for how many samples this one stands.
+  void add(const SampleInImage& sample, const MapEdge& edge, float share);
   void fill_up();
   void look_around();
 

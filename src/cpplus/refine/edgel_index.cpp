@@ -32,19 +32,30 @@ EdgelIndex::EdgelIndex(const ImageEdges& edges, double max_angle_deg)
     : edges_(edges),
       min_cos_(std::cos(max_angle_deg * kRadPerDeg)),
       turns_(turns_up_to(max_angle_deg)),
-      edgel_at_(static_cast<size_t>(edges.width) * static_cast<size_t>(edges.height), -1),
-      directions_near_(edgel_at_.size(), 0) {
+      directions_near_(static_cast<size_t>(edges.width) * static_cast<size_t>(edges.height), 0) {
+  occupied_.assign(directions_near_.size() / 64 + 1, 0);
+  std::vector<size_t> pixel_of(edges.edgels.size(), directions_near_.size());
   for (size_t i = 0; i < edges.edgels.size(); ++i) {
     const int x = static_cast<int>(std::lround(edges.edgels[i].pixel.x()));
     const int y = static_cast<int>(std::lround(edges.edgels[i].pixel.y()));
     if (x < 0 || y < 0 || x >= edges.width || y >= edges.height) continue;
-    edgel_at_[index_of(x, y)] = static_cast<int32_t>(i);
+    pixel_of[i] = index_of(x, y);
+    occupied_[pixel_of[i] / 64] |= uint64_t{1} << (pixel_of[i] % 64);
     const uint8_t directions = agreeing_directions(edges.edgels[i]);
     for (int v = std::max(0, y - 1); v <= std::min(edges.height - 1, y + 1); ++v) {
       for (int u = std::max(0, x - 1); u <= std::min(edges.width - 1, x + 1); ++u) {
         directions_near_[index_of(u, v)] |= directions;
       }
     }
+  }
+  uint32_t count = 0;
+  for (const uint64_t word : occupied_) {
+    num_before_.push_back(count);
+    count += static_cast<uint32_t>(std::popcount(word));
+  }
+  by_pixel_.resize(count);
+  for (size_t i = 0; i < pixel_of.size(); ++i) {
+    if (pixel_of[i] < directions_near_.size()) by_pixel_[place_of(pixel_of[i])] = static_cast<uint32_t>(i);
   }
 }
 
@@ -78,11 +89,10 @@ void EdgelIndex::for_each_abreast(const Eigen::Vector2d& place, const Eigen::Vec
     const double x = place.x() - side * normal.y() + 0.5;
     const double y = place.y() + side * normal.x() + 0.5;
     if (!(x >= 0 && y >= 0 && x < edges_.width && y < edges_.height)) continue;
-    const int32_t index = edgel_at_[index_of(static_cast<int>(x), static_cast<int>(y))];
-    if (index < 0) continue;
-    if (std::abs(edgel(static_cast<uint32_t>(index)).normal.cast<double>().dot(normal)) >= min_cos_) {
-      visit(static_cast<uint32_t>(index));
-    }
+    const size_t at = index_of(static_cast<int>(x), static_cast<int>(y));
+    if (!is_occupied(at)) continue;
+    const uint32_t index = by_pixel_[place_of(at)];
+    if (std::abs(edgel(index).normal.cast<double>().dot(normal)) >= min_cos_) visit(index);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -33,6 +34,12 @@ class EdgelIndex {
   size_t index_of(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x);
   }
+  bool is_occupied(size_t pixel) const { return occupied_[pixel / 64] >> (pixel % 64) & 1; }
+  // Of the edgel of an occupied pixel in by_pixel_.
+  size_t place_of(size_t pixel) const {
+    const uint64_t before = occupied_[pixel / 64] & ((uint64_t{1} << (pixel % 64)) - 1);
+    return num_before_[pixel / 64] + static_cast<size_t>(std::popcount(before));
+  }
   // Bit of the eighth of half a turn that a normal points to, the same for the opposite one.
   static uint8_t direction_of(const Eigen::Vector2d& normal);
   // Bits of all normals that an edgel agrees with.
@@ -46,7 +53,10 @@ class EdgelIndex {
   const ImageEdges& edges_;
   double min_cos_;
   std::vector<Eigen::Vector2d> turns_;
-  std::vector<int32_t> edgel_at_;  // per pixel; -1 = none
+  // Edgels in the order of their pixels, found by counting the bits of occupied pixels: small enough for the cache.
+  std::vector<uint64_t> occupied_;    // a bit a pixel
+  std::vector<uint32_t> num_before_;  // of the bits in earlier words
+  std::vector<uint32_t> by_pixel_;
   // Per pixel the directions that edgels there and at its eight neighbours agree with: in most places it says at once
   // that there is nothing to be found.
   std::vector<uint8_t> directions_near_;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "cpplus/refine/degeneracy.h"
@@ -18,6 +21,12 @@ namespace {
 
 constexpr int kFieldCellPx = 4;
 
+// Of each sample that a pose sees the image edge nearest to it.
+struct NearestEdges {
+  std::vector<SampleInImage> samples;
+  std::vector<std::optional<uint32_t>> edgels;
+};
+
 class PoseRefiner {
  public:
   PoseRefiner(const Camera& camera, const Rigid3& coarse, const PoseGuess& guess, const std::vector<MapEdge>& edges,
@@ -30,7 +39,6 @@ class PoseRefiner {
         field_(image_edges, kFieldCellPx, 3.0 * options.search.first_kernel_px),
         options_(options) {
     split(samples);
-    for (const std::vector<EdgeSample>& fold : folds_) all_.insert(all_.end(), fold.begin(), fold.end());
   }
 
   RefinePoseResult run() {
@@ -38,7 +46,7 @@ class PoseRefiner {
     result.camera_from_map = coarse_;
     result.candidate_camera_from_map = coarse_;
     result.num_samples = static_cast<int>(all_.size());
-    result.before = residual_of(all_, coarse_);
+    result.before = residual_of(look_up(all_, coarse_, options_.first_radius_px));
     result.held_out_before = result.before;  // every edge is held out once
     if (result.num_samples < options_.min_samples) return keep(std::move(result), "too few map edges in view");
 
@@ -47,14 +55,15 @@ class PoseRefiner {
       pose = search_pose(camera_, guess_, edges_, all_, field_, options_.search).camera_from_map;
     }
     for (int round = 0; round < options_.max_iterations; ++round) {
-      const std::vector<EdgeMatch> matches = match(all_, pose, radius_of(round));
+      const std::vector<EdgeMatch> matches = matches_of(look_up(all_, pose, radius_of(round)), radius_of(round));
       if (static_cast<int>(matches.size()) < options_.min_samples) break;
       pose = minimise(pose, matches, &result.iterations);
     }
     result.candidate_camera_from_map = pose;
-    result.after = residual_of(all_, pose);
-    result.held_out_after = cross_validate(pose);
-    judge(pose, &result);
+    const NearestEdges nearest = look_up(all_, pose, options_.first_radius_px);
+    result.after = residual_of(nearest);
+    result.held_out_after = cross_validate(pose, nearest);
+    judge(pose, nearest, &result);
     return result;
   }
 
@@ -67,26 +76,29 @@ class PoseRefiner {
     std::vector<std::pair<size_t, uint32_t>> groups;
     for (const auto& [group, count] : samples_of_group) groups.emplace_back(count, group);
     std::stable_sort(groups.begin(), groups.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
-    folds_.resize(static_cast<size_t>(options_.folds));
+    const size_t num_folds = static_cast<size_t>(options_.folds);
     std::map<uint32_t, size_t> fold_of_group;
-    for (size_t i = 0; i < groups.size(); ++i) fold_of_group[groups[i].second] = i % folds_.size();
-    for (const EdgeSample& sample : samples) folds_[fold_of_group[edges_[sample.edge].group]].push_back(sample);
+    for (size_t i = 0; i < groups.size(); ++i) fold_of_group[groups[i].second] = i % num_folds;
+    for (size_t fold = 0; fold < num_folds; ++fold) {
+      fold_begin_.push_back(all_.size());
+      std::copy_if(samples.begin(), samples.end(), std::back_inserter(all_),
+                   [&](const EdgeSample& sample) { return fold_of_group[edges_[sample.edge].group] == fold; });
+    }
+    fold_begin_.push_back(all_.size());
   }
 
-  // Each fold judged by the pose that the other folds give, from the common solution.
-  EdgeResidual cross_validate(const Rigid3& pose) const {
+  using Samples = std::span<const EdgeSample>;
+
+  Samples fold(size_t k) const { return Samples(all_).subspan(fold_begin_[k], fold_begin_[k + 1] - fold_begin_[k]); }
+
+  // Each fold judged by the pose that the other folds give, from the common solution and the edges nearest to it.
+  EdgeResidual cross_validate(const Rigid3& pose, const NearestEdges& nearest) const {
     std::vector<double> distances;
     EdgeResidual residual;
-    std::vector<std::vector<EdgeMatch>> matches;
-    for (const std::vector<EdgeSample>& fold : folds_) matches.push_back(match(fold, pose, options_.first_radius_px));
-    for (size_t held_out = 0; held_out < folds_.size(); ++held_out) {
-      std::vector<EdgeMatch> others;
-      for (size_t fold = 0; fold < folds_.size(); ++fold) {
-        if (fold != held_out) others.insert(others.end(), matches[fold].begin(), matches[fold].end());
-      }
+    for (size_t k = 0; k + 1 < fold_begin_.size(); ++k) {
       int iterations = 0;
-      const Rigid3 judged = minimise(pose, others, &iterations);
-      measure(folds_[held_out], judged, &distances, &residual);
+      const Rigid3 judged = minimise(pose, matches_of(nearest, options_.first_radius_px, fold(k)), &iterations);
+      measure(look_up(fold(k), judged, options_.first_radius_px), &distances, &residual);
     }
     return summarise(std::move(distances), residual);
   }
@@ -97,22 +109,36 @@ class PoseRefiner {
     return options_.first_radius_px * std::pow(options_.last_radius_px / options_.first_radius_px, progress);
   }
 
-  std::vector<EdgeMatch> match(const std::vector<EdgeSample>& samples, const Rigid3& pose, double radius_px) const {
-    std::vector<EdgeMatch> matches;
+  // What a pose sees of the samples, each with the image edge nearest to it within the radius.
+  NearestEdges look_up(Samples samples, const Rigid3& pose, double radius_px) const {
+    NearestEdges nearest;
+    nearest.samples.reserve(samples.size());
+    nearest.edgels.reserve(samples.size());
     for (const EdgeSample& sample : samples) {
       const auto projected = project_sample(camera_, pose, sample);
       if (!projected) continue;
-      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, radius_px);
-      if (!edgel) continue;
+      nearest.samples.push_back({&sample, *projected});
+      nearest.edgels.push_back(index_.nearest_along(projected->pixel, projected->normal, radius_px));
+    }
+    return nearest;
+  }
+
+  // The samples with an image edge within the radius, but for some.
+  std::vector<EdgeMatch> matches_of(const NearestEdges& nearest, double radius_px, Samples without = {}) const {
+    std::vector<EdgeMatch> matches;
+    for (size_t i = 0; i < nearest.samples.size(); ++i) {
+      const auto& [sample, projected] = nearest.samples[i];
+      if (!nearest.edgels[i] || (sample >= without.data() && sample < without.data() + without.size())) continue;
       // Across the projected edge: an edgel's own normal is 2 degrees noisy, which would pass for evidence along
       // the edge where all edges are parallel.
       EdgeMatch m;
-      m.x_in_map = sample.x_in_map;
-      m.edge = sample.edge;
-      m.pixel = index_.edgel(*edgel).pixel.cast<double>();
-      m.normal = projected->normal;
-      m.projected = *projected;
-      weigh_match(edges_[sample.edge].covariance, static_cast<int>(sample.edge_samples), options_.image_sigma_px,
+      m.pixel = index_.edgel(*nearest.edgels[i]).pixel.cast<double>();
+      m.normal = projected.normal;
+      if (std::abs(m.normal.dot(m.pixel - projected.pixel)) >= radius_px) continue;
+      m.x_in_map = sample->x_in_map;
+      m.edge = sample->edge;
+      m.projected = projected;
+      weigh_match(edges_[sample->edge].covariance, static_cast<int>(sample->edge_samples), options_.image_sigma_px,
                   options_.edge_sigma_px, &m);
       matches.push_back(m);
     }
@@ -125,25 +151,26 @@ class PoseRefiner {
     return solution.camera_from_map;
   }
 
-  EdgeResidual residual_of(const std::vector<EdgeSample>& samples, const Rigid3& pose) const {
+  EdgeResidual residual_of(const NearestEdges& nearest) const {
     std::vector<double> distances;
     EdgeResidual residual;
-    measure(samples, pose, &distances, &residual);
+    measure(nearest, &distances, &residual);
     return summarise(std::move(distances), residual);
   }
 
-  void measure(const std::vector<EdgeSample>& samples, const Rigid3& pose, std::vector<double>* distances,
-               EdgeResidual* residual) const {
-    for (const EdgeSample& sample : samples) {
-      const auto projected = project_sample(camera_, pose, sample);
-      if (!projected) continue;
-      const auto edgel = index_.nearest_along(projected->pixel, projected->normal, options_.first_radius_px);
-      residual->num_matches += edgel.has_value();
-      distances->push_back(edgel ? std::abs(index_.edgel(*edgel).normal.cast<double>().dot(
-                                       index_.edgel(*edgel).pixel.cast<double>() - projected->pixel))
-                                 : options_.first_radius_px);
+  // Adds what the samples say, looked up within the first radius.
+  void measure(const NearestEdges& nearest, std::vector<double>* distances, EdgeResidual* residual) const {
+    for (size_t i = 0; i < nearest.samples.size(); ++i) {
+      double distance = options_.first_radius_px;
+      if (nearest.edgels[i]) {
+        const ImageEdgel& edgel = index_.edgel(*nearest.edgels[i]);
+        const Eigen::Vector2d offset = edgel.pixel.cast<double>() - nearest.samples[i].projected.pixel;
+        distance = std::abs(edgel.normal.cast<double>().dot(offset));
+        ++residual->num_matches;
+      }
+      distances->push_back(distance);
     }
-    EdgeLikelihood likelihood(camera_, pose, edges_, samples, field_, static_cast<int>(samples.size()));
+    EdgeLikelihood likelihood(nearest.samples, edges_, field_);
     likelihood.set_kernel(options_.search.last_kernel_px);
     residual->log_ratio += likelihood.log_ratio_fitted();
   }
@@ -155,8 +182,8 @@ class PoseRefiner {
     return residual;
   }
 
-  void judge(const Rigid3& pose, RefinePoseResult* result) const {
-    const std::vector<EdgeMatch> matches = match(all_, pose, options_.last_radius_px);
+  void judge(const Rigid3& pose, const NearestEdges& nearest, RefinePoseResult* result) const {
+    const std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
     result->num_matches = static_cast<int>(matches.size());
     result->num_edges = count_edges(matches);
     result->information = edge_information(matches, options_.loss_scale);
@@ -200,8 +227,8 @@ class PoseRefiner {
   const EdgelIndex index_;
   const DirectionalDistanceField field_;
   const RefinePoseOptions& options_;
-  std::vector<std::vector<EdgeSample>> folds_;
   std::vector<EdgeSample> all_;  // by fold
+  std::vector<size_t> fold_begin_;
 };
 
 }  // namespace
