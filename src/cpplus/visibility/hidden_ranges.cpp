@@ -41,17 +41,17 @@ RangeImage farthest_around(const RangeImage& blocks) {
 }  // namespace
 
 HiddenRanges::HiddenRanges(const PlaneBuffer& planes)
-    : planes_(planes),
-      block_px_(static_cast<float>(kBlockCells * planes.cell_px)),
+    : block_px_(static_cast<float>(kBlockCells * planes.cell_px)),
       farthest_(farthest_around(farthest_of_blocks(planes.range_bound))) {}
 
-bool HiddenRanges::hides(const Eigen::Vector3f& x_in_camera, float range_m) const {
-  if (farthest_.pixels.empty() || range_m < kMinRangeM) return false;
-  const auto pixel = planes_.camera.project(x_in_camera.cast<double>());
-  if (!pixel) return false;
-  const int x = static_cast<int>((static_cast<float>(pixel->x()) + 0.5f) / block_px_);
-  const int y = static_cast<int>((static_cast<float>(pixel->y()) + 0.5f) / block_px_);
-  return farthest_.contains(x, y) && range_m > farthest_.at(x, y) + kMarginM;
+bool HiddenRanges::hides(const Eigen::Vector2f& pixel, float range_m) const {
+  if (range_m < kMinRangeM) return false;
+  const float x = (pixel.x() + 0.5f) / block_px_;
+  const float y = (pixel.y() + 0.5f) / block_px_;
+  if (!(x >= 0 && y >= 0 && x < static_cast<float>(farthest_.width) && y < static_cast<float>(farthest_.height))) {
+    return false;
+  }
+  return range_m > farthest_.at(static_cast<int>(x), static_cast<int>(y)) + kMarginM;
 }
 
 }  // namespace cpplus

@@ -11,14 +11,14 @@ namespace cpplus {
 /// no plane; so what may be seen beside the rim of a plane is never left out.
 class HiddenRanges {
  public:
-  /// Without ranges in the buffer nothing is hidden. `planes` must outlive it.
+  /// Without ranges in the buffer nothing is hidden.
   explicit HiddenRanges(const PlaneBuffer& planes);
 
-  /// Whether a leaf of which one point is this one lies clearly behind all planes that are seen around it.
-  bool hides(const Eigen::Vector3f& x_in_camera, float range_m) const;
+  /// Whether a leaf of which one point is seen at this pixel (NaN: nowhere) and range lies clearly behind all planes
+  /// that are seen around it.
+  bool hides(const Eigen::Vector2f& pixel, float range_m) const;
 
  private:
-  const PlaneBuffer& planes_;
   float block_px_;
   RangeImage farthest_;  // per block: of the planes in it and in the eight blocks around it, metres
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
 namespace cpplus {
 namespace {
@@ -20,7 +21,11 @@ PlaneBuffer half_hidden() {
   return planes;
 }
 
-bool hides(const PlaneBuffer& planes, const Eigen::Vector3f& x) { return HiddenRanges(planes).hides(x, x.norm()); }
+bool hides(const PlaneBuffer& planes, const Eigen::Vector3f& x) {
+  std::vector<Eigen::Vector2f> pixels;
+  pinhole().project(std::vector<Eigen::Vector3f>{x}, &pixels);
+  return HiddenRanges(planes).hides(pixels.front(), x.norm());
+}
 
 TEST(HiddenRanges, WhatLiesClearlyBehindPlanesIsHidden) {
   const PlaneBuffer planes = half_hidden();

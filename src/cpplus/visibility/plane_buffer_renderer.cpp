@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cpplus/geometry/tangent_box.h"
+#include "cpplus/visibility/range_keys.h"
 
 namespace cpplus {
 namespace {
@@ -64,10 +65,8 @@ class Canvas {
  public:
   Canvas(const Camera& camera, double cell_px)
       : cell_px_(cell_px),
-        width_(static_cast<int>(std::ceil(camera.width() / cell_px))),
-        height_(static_cast<int>(std::ceil(camera.height() / cell_px))),
-        plane_(width_, height_, PlaneBuffer::kNone),
-        nearest_(width_, height_, std::numeric_limits<float>::max()) {}
+        nearest_(static_cast<int>(std::ceil(camera.width() / cell_px)),
+                 static_cast<int>(std::ceil(camera.height() / cell_px)), kNoRangeKey) {}
 
   // The cell of the patch's centre at its range; those that lie within the patch around it at its rim's range, so that
   // a patch drawn over the neighbours of its own plane never wins over the patch that belongs there.
@@ -77,28 +76,27 @@ class Canvas {
     const int cx = static_cast<int>(std::floor(cell.x()));
     const int cy = static_cast<int>(std::floor(cell.y()));
     const int x0 = std::max(0, std::min(cx, static_cast<int>(std::floor(cell.x() - radius + 0.5))));
-    const int x1 = std::min(width_ - 1, std::max(cx, static_cast<int>(std::floor(cell.x() + radius - 0.5))));
-    const int y0 = std::max(0, std::min(cy, static_cast<int>(std::floor(cell.y() - radius + 0.5))));
-    const int y1 = std::min(height_ - 1, std::max(cy, static_cast<int>(std::floor(cell.y() + radius - 0.5))));
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) {
-        const float depth = x == cx && y == cy ? range : rim_range;
-        if (depth >= nearest_.at(x, y)) continue;
-        nearest_.at(x, y) = depth;
-        plane_.at(x, y) = plane;
-      }
+    const int x1 = std::min(nearest_.width - 1, std::max(cx, static_cast<int>(std::floor(cell.x() + radius - 0.5))));
+    const int y0 = std::min(cy, static_cast<int>(std::floor(cell.y() - radius + 0.5)));
+    const int y1 = std::max(cy, static_cast<int>(std::floor(cell.y() + radius - 0.5)));
+    draw_rectangle(x0, x1, y0, y1, range_key(rim_range, static_cast<uint32_t>(plane)), &nearest_);
+    if (!nearest_.contains(cx, cy)) return;
+    nearest_.at(cx, cy) = std::min(nearest_.at(cx, cy), range_key(range, static_cast<uint32_t>(plane)));
+  }
+
+  void copy_to(PlaneBuffer* buffer) const {
+    buffer->plane = Image<int32_t>(nearest_.width, nearest_.height, PlaneBuffer::kNone);
+    buffer->range_bound = RangeImage(nearest_.width, nearest_.height, std::numeric_limits<float>::max());
+    for (size_t i = 0; i < nearest_.pixels.size(); ++i) {
+      if (nearest_.pixels[i] == kNoRangeKey) continue;
+      buffer->plane.pixels[i] = static_cast<int32_t>(what_of(nearest_.pixels[i]));
+      buffer->range_bound.pixels[i] = range_of(nearest_.pixels[i]);
     }
   }
 
-  Image<int32_t> take_planes() { return std::move(plane_); }
-  RangeImage take_ranges() { return std::move(nearest_); }
-
  private:
   double cell_px_;
-  int width_;
-  int height_;
-  Image<int32_t> plane_;
-  RangeImage nearest_;
+  Image<RangeKey> nearest_;
 };
 
 }  // namespace
@@ -139,8 +137,7 @@ PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& pl
   buffer.camera = camera;
   buffer.camera_from_map = camera_from_map;
   buffer.cell_px = options.cell_px;
-  buffer.plane = canvas.take_planes();
-  buffer.range_bound = canvas.take_ranges();
+  canvas.copy_to(&buffer);
   buffer.planes = &planes.planes;
   return buffer;
 }

@@ -1,13 +1,16 @@
 #include "cpplus/visibility/range_raster.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "cpplus/core/vector_clones.h"
 #include "cpplus/geometry/tangent_box.h"
 #include "cpplus/visibility/hidden_ranges.h"
+#include "cpplus/visibility/range_keys.h"
 
 namespace cpplus {
 namespace {
@@ -19,38 +22,41 @@ constexpr float kHalfSquareSpacings = 1.0f;
 constexpr int kMaxHalfCells = 12;
 constexpr size_t kUsualPoints = 1 << 20;  // of a view
 
-int half_cells(float spacing_px, float cell_px) {
-  const int half = static_cast<int>(kHalfSquareSpacings * spacing_px / cell_px + 0.5f);
+int half_cells(float spacing_px, float inverse_cell) {
+  const int half = static_cast<int>(kHalfSquareSpacings * spacing_px * inverse_cell + 0.5f);
   return std::clamp(half, 1, kMaxHalfCells);
 }
 
-// Range and spacing of a point in one number: the nearer point has the smaller one, since floats above zero are ordered
-// as their bits are.
-using Surfel = uint64_t;
-constexpr Surfel kNothing = std::numeric_limits<Surfel>::max();
-
-Surfel surfel_of(const ProjectedPoint& point) {
-  return Surfel{std::bit_cast<uint32_t>(point.range)} << 32 | std::bit_cast<uint32_t>(point.spacing_px);
+RangeKey key_of(const ProjectedPoint& point) {
+  return range_key(point.range, std::bit_cast<uint32_t>(point.spacing_px));
 }
-float range_of(Surfel surfel) { return std::bit_cast<float>(static_cast<uint32_t>(surfel >> 32)); }
-float spacing_of(Surfel surfel) { return std::bit_cast<float>(static_cast<uint32_t>(surfel)); }
+float spacing_of(RangeKey key) { return std::bit_cast<float>(what_of(key)); }
 
-// Spreads each surfel over its square, the nearest winning.
-Image<Surfel> dilate(const Image<Surfel>& in, float cell_px) {
-  Image<Surfel> out = in;
+// Spreads each point over its square, the nearest winning. Squares grow by one cell a step, the larger ones from an
+// earlier step on; the few very large ones are drawn one by one.
+Image<RangeKey> dilate(const Image<RangeKey>& in, float inverse_cell) {
+  constexpr int kMostSteps = 4;
+  std::array<std::vector<size_t>, kMostSteps + 1> cells_of_half;
+  Image<RangeKey> large(in.width, in.height, kNoRangeKey);
+  size_t cell = 0;
   for (int y = 0; y < in.height; ++y) {
-    for (int x = 0; x < in.width; ++x) {
-      const Surfel surfel = in.at(x, y);
-      if (surfel == kNothing) continue;
-      const int half = half_cells(spacing_of(surfel), cell_px);
-      const int first = std::max(0, x - half);
-      const int last = std::min(in.width - 1, x + half);
-      for (int v = std::max(0, y - half); v <= std::min(in.height - 1, y + half); ++v) {
-        Surfel* row = &out.at(0, v);
-        for (int u = first; u <= last; ++u) row[u] = std::min(row[u], surfel);
+    for (int x = 0; x < in.width; ++x, ++cell) {
+      if (in.pixels[cell] == kNoRangeKey) continue;
+      const int half = half_cells(spacing_of(in.pixels[cell]), inverse_cell);
+      if (half <= kMostSteps) {
+        cells_of_half[static_cast<size_t>(half)].push_back(cell);
+      } else {
+        draw_rectangle(std::max(0, x - half), std::min(in.width - 1, x + half), y - half, y + half, in.pixels[cell],
+                       &large);
       }
     }
   }
+  Image<RangeKey> out(in.width, in.height, kNoRangeKey);
+  for (size_t half = kMostSteps; half > 0; --half) {
+    for (const size_t c : cells_of_half[half]) out.pixels[c] = std::min(out.pixels[c], in.pixels[c]);
+    spread_by_one(&out);
+  }
+  take_nearer(large, &out);
   return out;
 }
 
@@ -62,19 +68,48 @@ Image<uint8_t> transpose(const Image<uint8_t>& in) {
   return out;
 }
 
-// The largest range within the square's width of the surfel that won a cell, as a column. `half` is half that width in
-// cells, 0 where no surfel did.
+// Largest values of windows of one row, each in two look-ups: tables hold those of windows of 1, 2, 4, 8 and 16 cells.
+class RowMaxima {
+ public:
+  explicit RowMaxima(int width) {
+    for (std::vector<float>& table : tables_) table.assign(static_cast<size_t>(width), 0.0f);
+  }
+
+  void set(const float* row) {
+    std::copy_n(row, tables_[0].size(), tables_[0].begin());
+    for (size_t k = 1; k < tables_.size(); ++k) {
+      const size_t half = size_t{1} << (k - 1);
+      if (tables_[0].size() < 2 * half) break;
+      larger_of_two(tables_[k - 1].data(), half, tables_[0].size() - 2 * half + 1, tables_[k].data());
+    }
+  }
+
+  // Of the cells first ... last, at most 2 * kMaxHalfCells + 1.
+  float largest(int first, int last) const {
+    const auto k = static_cast<size_t>(std::bit_width(static_cast<uint32_t>(last - first + 1)) - 1);
+    return std::max(tables_[k][static_cast<size_t>(first)], tables_[k][static_cast<size_t>(last + 1 - (1 << k))]);
+  }
+
+ private:
+  CPPLUS_VECTOR_CLONES static void larger_of_two(const float* in, size_t apart, size_t count, float* out) {
+    for (size_t i = 0; i < count; ++i) out[i] = in[i] < in[i + apart] ? in[i + apart] : in[i];
+  }
+
+  std::array<std::vector<float>, 5> tables_;
+};
+static_assert(2 * kMaxHalfCells + 1 < 32);
+
+// The largest range within the square's width of the point that won a cell, as a column. `half` is half that width in
+// cells, 0 where no point did.
 RangeImage erode_rows(const Image<uint8_t>& half, const RangeImage& in) {
   RangeImage transposed(in.height, in.width, kNoSurface);
+  RowMaxima maxima(in.width);
   for (int y = 0; y < in.height; ++y) {
-    const float* from = &in.at(0, y);
+    maxima.set(&in.at(0, y));
     const uint8_t* half_of = &half.at(0, y);
     for (int x = 0; x < in.width; ++x) {
       if (half_of[x] == 0) continue;
-      const int last = std::min(in.width - 1, x + half_of[x]);
-      float farthest = 0.0f;
-      for (int u = std::max(0, x - half_of[x]); u <= last; ++u) farthest = std::max(farthest, from[u]);
-      transposed.at(y, x) = farthest;
+      transposed.at(y, x) = maxima.largest(std::max(0, x - half_of[x]), std::min(in.width - 1, x + half_of[x]));
     }
   }
   return transposed;
@@ -99,20 +134,36 @@ class PointProjector {
         points_(*points) {}
 
   void add_leaves(uint32_t leaf, uint32_t end) {
-    for (; leaf < end; ++leaf) {
-      if (!std::isfinite(leaf_spacing_[leaf])) continue;
-      add_points(map_.points_begin(map_.leaf_layer(), leaf), map_.points_end(map_.leaf_layer(), leaf),
-                 leaf_spacing_[leaf]);
+    for (const uint32_t seen : leaves_in_view(leaf, end)) {
+      add_points(map_.points_begin(map_.leaf_layer(), seen), map_.points_end(map_.leaf_layer(), seen),
+                 leaf_spacing_[seen]);
     }
     project();
   }
 
  private:
+  // Those that the image may show, told by their first points.
+  const std::vector<uint32_t>& leaves_in_view(uint32_t leaf, uint32_t end) {
+    leaves_.clear();
+    x_in_camera_.clear();
+    for (; leaf < end; ++leaf) {
+      if (!std::isfinite(leaf_spacing_[leaf])) continue;
+      const Eigen::Vector3f first = in_camera(map_.points_begin(map_.leaf_layer(), leaf));
+      if (box_.excludes(first, leaf_diagonal_) || first.norm() > max_range_ + leaf_diagonal_) continue;
+      leaves_.push_back(leaf);
+      x_in_camera_.push_back(first);
+    }
+    camera_.project(x_in_camera_, &pixels_);
+    size_t kept = 0;
+    for (size_t k = 0; k < leaves_.size(); ++k) {
+      if (!hidden_.hides(pixels_[k], x_in_camera_[k].norm())) leaves_[kept++] = leaves_[k];
+    }
+    leaves_.resize(kept);
+    x_in_camera_.clear();
+    return leaves_;
+  }
+
   void add_points(uint32_t i, uint32_t end, float spacing) {
-    const Eigen::Vector3f first = in_camera(i);
-    const float range_of_first = first.norm();
-    if (box_.excludes(first, leaf_diagonal_) || range_of_first > max_range_ + leaf_diagonal_) return;
-    if (hidden_.hides(first, range_of_first)) return;
     for (; i < end; ++i) {
       const Eigen::Vector3f x = in_camera(i);
       const float squared_range = x.squaredNorm();
@@ -155,6 +206,7 @@ class PointProjector {
   float max_range_;
   float leaf_diagonal_;
   std::vector<ProjectedPoint>& points_;
+  std::vector<uint32_t> leaves_;
   std::vector<Eigen::Vector3f> x_in_camera_;
   std::vector<Range> ranges_;
   std::vector<Eigen::Vector2f> pixels_;
@@ -188,25 +240,25 @@ RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const C
   raster.cell_px = cell_px;
   const int width = static_cast<int>(std::ceil(camera.width() / cell_px));
   const int height = static_cast<int>(std::ceil(camera.height() / cell_px));
-  const float cell = static_cast<float>(cell_px);
+  const float inverse_cell = 1.0f / static_cast<float>(cell_px);
 
-  Image<Surfel> surfels(width, height, kNothing);  // the nearest point of each cell
+  Image<RangeKey> nearest(width, height, kNoRangeKey);  // point of each cell
   for (const ProjectedPoint& point : points) {
     const Eigen::Vector2i at = raster.cell_of(point.pixel);
-    if (!surfels.contains(at.x(), at.y())) continue;
-    surfels.at(at.x(), at.y()) = std::min(surfels.at(at.x(), at.y()), surfel_of(point));
+    if (!nearest.contains(at.x(), at.y())) continue;
+    nearest.at(at.x(), at.y()) = std::min(nearest.at(at.x(), at.y()), key_of(point));
   }
-  surfels = dilate(surfels, cell);
+  nearest = dilate(nearest, inverse_cell);
 
   RangeImage dilated(width, height, kNoSurface);
   Image<uint8_t> half(width, height, 0);
   raster.spacing_px = RangeImage(width, height, 0.0f);
-  for (size_t i = 0; i < surfels.pixels.size(); ++i) {
-    const Surfel surfel = surfels.pixels[i];
-    if (surfel == kNothing) continue;
-    dilated.pixels[i] = range_of(surfel);
-    raster.spacing_px.pixels[i] = spacing_of(surfel);
-    half.pixels[i] = static_cast<uint8_t>(half_cells(spacing_of(surfel), cell));
+  for (size_t i = 0; i < nearest.pixels.size(); ++i) {
+    const RangeKey key = nearest.pixels[i];
+    if (key == kNoRangeKey) continue;
+    dilated.pixels[i] = range_of(key);
+    raster.spacing_px.pixels[i] = spacing_of(key);
+    half.pixels[i] = static_cast<uint8_t>(half_cells(spacing_of(key), inverse_cell));
   }
   // The squares' borders are taken away again, one axis after the other.
   raster.range = erode_rows(transpose(half), erode_rows(half, dilated));
