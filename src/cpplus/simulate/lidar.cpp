@@ -27,8 +27,8 @@ struct Echo {
 };
 
 /// Share of the light that a surface sends straight back: its albedo, falling off with incidence.
-double returned_light(const Scene& scene, const TraceHit& hit, const Vector3f& direction) {
-  const Material& material = scene.materials[hit.face->material];
+double returned_light(const TraceHit& hit, const Vector3f& direction) {
+  const Material& material = *hit.material;
   const double cosine = std::max(0.0, static_cast<double>(-hit.normal.dot(direction)));
   const double grey = albedo(material, hit.uv, 0.01f).dot(Vector3f(0.5f, 0.35f, 0.15f));  // red side of the spectrum
   return std::min(1.0, material.lidar_reflectance * grey) * (0.25 + 0.75 * cosine);
@@ -70,7 +70,7 @@ Echo strongest_echo(const Tracer& tracer, const BodyPoses& bodies, const Vector3
     // Kept in the order of the range.
     size_t place = count++;
     for (; place > 0 && returns[place - 1].range > hit->range; --place) returns[place] = returns[place - 1];
-    returns[place] = {hit->range, returned_light(tracer.scene(), *hit, bundle.rays[i]), hit->body >= 0};
+    returns[place] = {hit->range, returned_light(*hit, bundle.rays[i]), hit->body >= 0};
   }
   Echo best;
   size_t best_count = 0;

@@ -62,8 +62,9 @@ Vector3f sky_radiance(const Sky& sky, const Vector3f& direction) {
   return color;
 }
 
-SoftLight::SoftLight(const Tracer& tracer, float cell_m) : tracer_(tracer) {
-  for (const MeshFace& face : tracer.scene().mesh.faces) {
+LightCells::LightCells(const Mesh& mesh, float cell_m) {
+  size_t num_cells = 0;
+  for (const MeshFace& face : mesh.faces) {
     Vector2f low = face.uv(face.corners[0]);
     Vector2f high = low;
     for (const Vector3f& corner : face.corners) {
@@ -74,7 +75,7 @@ SoftLight::SoftLight(const Tracer& tracer, float cell_m) : tracer_(tracer) {
     const auto cells = [&](float extent) {
       return face.has_edges ? std::clamp(static_cast<int>(std::ceil(extent / cell_m)) + 1, 2, kMaxCellsPerSide) : 1;
     };
-    grid.first = num_cells_;
+    grid.first = num_cells;
     grid.columns = cells(high.x() - low.x());
     grid.rows = cells(high.y() - low.y());
     grid.low = low;
@@ -82,45 +83,46 @@ SoftLight::SoftLight(const Tracer& tracer, float cell_m) : tracer_(tracer) {
                     .cwiseQuotient(Vector2f(static_cast<float>(std::max(1, grid.columns - 1)),
                                             static_cast<float>(std::max(1, grid.rows - 1))));
     grid.step = grid.step.cwiseMax(1e-6f);
-    num_cells_ += static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows);
+    num_cells += static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows);
     grids_.push_back(grid);
   }
-  cells_ = std::make_unique<std::atomic<uint64_t>[]>(num_cells_);
+  cells_ = std::make_unique<std::atomic<uint64_t>[]>(num_cells);
+}
+
+SoftLight::SoftLight(const Tracer& tracer, float cell_m) : tracer_(tracer) {
+  for (const auto& part : tracer.parts()) parts_.push_back(std::make_shared<const LightCells>(part->mesh(), cell_m));
 }
 
 Vector3f SoftLight::at(const TraceHit& hit) const {
-  const Scene& scene = tracer_.scene();
   if (hit.body >= 0) {
     return gather(hit.point, hit.normal, hash_seed(static_cast<uint64_t>(hit.body), hit.face_index));
   }
-  const FaceGrid& grid = grids_[hit.face_index];
-  const MeshFace& face = scene.mesh.faces[hit.face_index];
-  if (grid.columns == 1 && grid.rows == 1) return cell_value(hit.face_index, 0, 0);
-  const Vector2f x = (face.uv(hit.point) - grid.low).cwiseQuotient(grid.step);
+  const LightCells::FaceGrid& grid = parts_[hit.part]->grid(hit.face_index);
+  if (grid.columns == 1 && grid.rows == 1) return cell_value(hit, 0, 0);
+  const Vector2f x = (hit.face->uv(hit.point) - grid.low).cwiseQuotient(grid.step);
   const int column = std::clamp(static_cast<int>(x.x()), 0, std::max(0, grid.columns - 2));
   const int row = std::clamp(static_cast<int>(x.y()), 0, std::max(0, grid.rows - 2));
   const float s = std::clamp(x.x() - static_cast<float>(column), 0.0f, 1.0f);
   const float t = std::clamp(x.y() - static_cast<float>(row), 0.0f, 1.0f);
-  return (1 - s) * (1 - t) * cell_value(hit.face_index, column, row) +
-         s * (1 - t) * cell_value(hit.face_index, column + 1, row) +
-         (1 - s) * t * cell_value(hit.face_index, column, row + 1) +
-         s * t * cell_value(hit.face_index, column + 1, row + 1);
+  return (1 - s) * (1 - t) * cell_value(hit, column, row) + s * (1 - t) * cell_value(hit, column + 1, row) +
+         (1 - s) * t * cell_value(hit, column, row + 1) + s * t * cell_value(hit, column + 1, row + 1);
 }
 
-Vector3f SoftLight::cell_value(uint32_t face_index, int column, int row) const {
-  const FaceGrid& grid = grids_[face_index];
+Vector3f SoftLight::cell_value(const TraceHit& hit, int column, int row) const {
+  const LightCells& cells = *parts_[hit.part];
+  const LightCells::FaceGrid& grid = cells.grid(hit.face_index);
   const size_t cell =
       grid.first + static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column);
-  const uint64_t known = cells_[cell].load(std::memory_order_relaxed);
+  const uint64_t known = cells.cell(cell).load(std::memory_order_relaxed);
   if (known != 0) return unpack(known);
-  const MeshFace& face = tracer_.scene().mesh.faces[face_index];
+  const MeshFace& face = *hit.face;
   Vector2f uv = grid.low + grid.step.cwiseProduct(Vector2f(static_cast<float>(column), static_cast<float>(row)));
   if (grid.columns == 1) uv = face.uv((face.corners[0] + face.corners[1] + face.corners[2]) / 3.0f);
   const Vector3f on_plane = face.uv_origin + uv.x() * face.u_axis + uv.y() * face.v_axis;
   // uv_origin need not lie in the plane of the face; the normal part comes from a corner.
   const Vector3f point = on_plane + face.normal * face.normal.dot(face.corners[0] - on_plane);
   const uint64_t word = pack(gather(clamp_into_face(face, point), face.normal, hash_seed(977, cell)));
-  cells_[cell].store(word, std::memory_order_relaxed);
+  cells.cell(cell).store(word, std::memory_order_relaxed);
   return unpack(word);
 }
 
@@ -170,7 +172,7 @@ Vector3f SoftLight::gather(const Vector3f& point, const Vector3f& normal, uint64
       diffuse += sky_radiance(scene.sky, direction);
       continue;
     }
-    const Material& material = scene.materials[hit->face->material];
+    const Material& material = *hit->material;
     const float open = 1.0f - std::exp(-hit->range / scene.sky.ambient_reach_m);
     const Vector3f tint = 0.4f * Vector3f::Ones() + 0.9f * albedo(material, hit->uv, 0.5f);
     diffuse += open * scene.sky.ambient.cwiseProduct(tint);

@@ -112,7 +112,7 @@ Vector3f Renderer::radiance(const RowPose& pose, const BodyPoses& bodies, const 
   const Vector3f direction = pose.map_from_camera * bearing_in_camera;
   const auto hit = tracer_.trace(pose.origin, direction, bodies);
   if (!hit) return sky_radiance(scene.sky, direction);
-  const Material& material = scene.materials[hit->face->material];
+  const Material& material = *hit->material;
   if (material.emission > 0.0f) return material.emission * material.color;
   const float cosine = std::max(0.05f, -hit->normal.dot(direction));
   const float footprint = hit->range / static_cast<float>(camera_.pixels_per_radian()) / std::sqrt(cosine);

@@ -4,37 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
-
-#include "cpplus/core/error.h"
 
 namespace cpplus {
 namespace {
 
 using Eigen::Vector3f;
-
-RTCScene build_embree_scene(RTCDevice device, const Mesh& mesh) {
-  RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices.size()));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                 3 * sizeof(unsigned), mesh.triangles.size()));
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    for (int k = 0; k < 3; ++k) vertices[3 * i + static_cast<size_t>(k)] = mesh.vertices[i][k];
-  }
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (int k = 0; k < 3; ++k) indices[3 * i + static_cast<size_t>(k)] = static_cast<unsigned>(mesh.triangles[i][k]);
-  }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
-  return scene;
-}
 
 RTCRay make_ray(const Vector3f& origin, const Vector3f& direction, float max_range) {
   RTCRay ray;
@@ -55,8 +32,24 @@ RTCRay make_ray(const Vector3f& origin, const Vector3f& direction, float max_ran
 
 struct RawHit {
   float range = 0.0f;
+  uint32_t part = 0;
   uint32_t triangle = 0;
 };
+
+/// Many scenes as one: the parts keep what they have built, and only their boxes are sorted.
+RTCScene put_together(const Tracer::Parts& parts) {
+  RTCScene scene = rtcNewScene(embree_device());
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    RTCGeometry instance = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, parts[i]->embree_scene());
+    rtcCommitGeometry(instance);
+    rtcAttachGeometryByID(scene, instance, static_cast<unsigned>(i));
+    rtcReleaseGeometry(instance);
+  }
+  rtcCommitScene(scene);
+  return scene;
+}
 
 std::optional<RawHit> intersect(RTCScene scene, const Vector3f& origin, const Vector3f& direction, float max_range) {
   RTCRayHit query;
@@ -67,7 +60,8 @@ std::optional<RawHit> intersect(RTCScene scene, const Vector3f& origin, const Ve
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return RawHit{query.ray.tfar, query.hit.primID};
+  const uint32_t instance = query.hit.instID[0];
+  return RawHit{query.ray.tfar, instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance, query.hit.primID};
 }
 
 bool is_occluded(RTCScene scene, const Vector3f& origin, const Vector3f& direction, float max_range) {
@@ -99,25 +93,32 @@ BodyPoses body_poses(const Scene& scene, double time_s) {
 
 struct Tracer::Impl {
   struct Body {
-    RTCScene scene = nullptr;
+    std::unique_ptr<TracedMesh> mesh;
     Vector3f center = Vector3f::Zero();  // of a ball that holds the body, body frame
     float radius = 0.0f;
   };
 
-  const Scene* world = nullptr;
-  RTCDevice device = nullptr;
+  explicit Impl(const Scene& scene) : world(scene) {}
+  ~Impl() {
+    if (static_scene != nullptr) rtcReleaseScene(static_scene);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  const Scene& world;
+  Parts parts;
   RTCScene static_scene = nullptr;
   std::vector<Body> bodies;
 };
 
-Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
-  impl_->world = &scene;
-  impl_->device = rtcNewDevice("threads=1,set_affinity=0");
-  if (impl_->device == nullptr) throw Error("Embree gives no device");
-  impl_->static_scene = build_embree_scene(impl_->device, scene.mesh);
+Tracer::Tracer(const Scene& scene)
+    : Tracer(scene, Parts{std::make_shared<const TracedMesh>(scene.mesh, scene.materials)}) {}
+
+Tracer::Tracer(const Scene& scene, Parts parts) : impl_(std::make_unique<Impl>(scene)) {
+  set_parts(std::move(parts));
   for (const MovingBody& body : scene.bodies) {
     Impl::Body entry;
-    entry.scene = build_embree_scene(impl_->device, body.mesh);
+    entry.mesh = std::make_unique<TracedMesh>(body.mesh, scene.materials);
     Vector3f low = Vector3f::Constant(std::numeric_limits<float>::max());
     Vector3f high = -low;
     for (const Vector3f& vertex : body.mesh.vertices) {
@@ -126,28 +127,39 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     }
     entry.center = 0.5f * (low + high);
     entry.radius = 0.5f * (high - low).norm() + 1e-3f;
-    impl_->bodies.push_back(entry);
+    impl_->bodies.push_back(std::move(entry));
   }
 }
 
-Tracer::~Tracer() {
-  for (const auto& body : impl_->bodies) rtcReleaseScene(body.scene);
-  rtcReleaseScene(impl_->static_scene);
-  rtcReleaseDevice(impl_->device);
-}
+Tracer::~Tracer() = default;
 
-const Scene& Tracer::scene() const { return *impl_->world; }
+const Scene& Tracer::scene() const { return impl_->world; }
+
+const Tracer::Parts& Tracer::parts() const { return impl_->parts; }
+
+void Tracer::set_parts(Parts parts) {
+  if (impl_->static_scene != nullptr) rtcReleaseScene(impl_->static_scene);
+  impl_->parts = std::move(parts);
+  if (impl_->parts.size() == 1) {
+    impl_->static_scene = impl_->parts.front()->embree_scene();  // spares every ray a level
+    rtcRetainScene(impl_->static_scene);
+  } else {
+    impl_->static_scene = put_together(impl_->parts);
+  }
+}
 
 std::optional<TraceHit> Tracer::trace_static(const Vector3f& origin, const Vector3f& direction,
                                              float max_range_m) const {
   const auto raw = intersect(impl_->static_scene, origin, direction, max_range_m);
   if (!raw) return std::nullopt;
-  const Mesh& mesh = impl_->world->mesh;
+  const TracedMesh& part = *impl_->parts[raw->part];
   TraceHit hit;
   hit.range = raw->range;
   hit.point = origin + raw->range * direction;
-  hit.face_index = mesh.triangle_faces[raw->triangle];
-  hit.face = &mesh.faces[hit.face_index];
+  hit.part = raw->part;
+  hit.face_index = part.mesh().triangle_faces[raw->triangle];
+  hit.face = &part.mesh().faces[hit.face_index];
+  hit.material = &part.materials()[hit.face->material];
   hit.normal = hit.face->normal;
   hit.uv = hit.face->uv(hit.point);
   return hit;
@@ -162,14 +174,15 @@ std::optional<TraceHit> Tracer::trace(const Vector3f& origin, const Vector3f& di
     const Vector3f local_origin = pose.body_from_map_rotation * (origin - pose.body_in_map);
     const Vector3f local_direction = pose.body_from_map_rotation * direction;
     if (!ray_meets_sphere(local_origin, local_direction, body.center, body.radius)) continue;
-    const auto raw = intersect(body.scene, local_origin, local_direction, best ? best->range : 1e4f);
+    const auto raw = intersect(body.mesh->embree_scene(), local_origin, local_direction, best ? best->range : 1e4f);
     if (!raw) continue;
-    const Mesh& mesh = impl_->world->bodies[i].mesh;
+    const Mesh& mesh = body.mesh->mesh();
     TraceHit hit;
     hit.range = raw->range;
     hit.point = origin + raw->range * direction;
     hit.face_index = mesh.triangle_faces[raw->triangle];
     hit.face = &mesh.faces[hit.face_index];
+    hit.material = &body.mesh->materials()[hit.face->material];
     hit.normal = pose.body_from_map_rotation.transpose() * hit.face->normal;
     hit.uv = hit.face->uv(local_origin + raw->range * local_direction);
     hit.body = static_cast<int>(i);
@@ -191,7 +204,7 @@ bool Tracer::occluded(const Vector3f& origin, const Vector3f& direction, float m
     const Vector3f local_direction = pose.body_from_map_rotation * direction;
     const Impl::Body& body = impl_->bodies[i];
     if (!ray_meets_sphere(local_origin, local_direction, body.center, body.radius)) continue;
-    if (is_occluded(body.scene, local_origin, local_direction, max_range_m)) return true;
+    if (is_occluded(body.mesh->embree_scene(), local_origin, local_direction, max_range_m)) return true;
   }
   return false;
 }

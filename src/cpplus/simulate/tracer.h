@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cpplus/simulate/scene.h"
+#include "cpplus/simulate/traced_mesh.h"
 
 namespace cpplus {
 
@@ -16,7 +17,9 @@ struct TraceHit {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // outward, map frame
   Eigen::Vector2f uv = Eigen::Vector2f::Zero();      // on the face, metres
   const MeshFace* face = nullptr;
+  const Material* material = nullptr;
   int body = -1;            // index in Scene::bodies; -1 = static
+  uint32_t part = 0;        // of the static scene
   uint32_t face_index = 0;  // in its mesh
 };
 
@@ -34,12 +37,19 @@ BodyPoses body_poses(const Scene& scene, double time_s);
 /// Casts rays into a scene (Embree). The scene must outlive the tracer. All queries are const and thread-safe.
 class Tracer {
  public:
+  using Parts = std::vector<std::shared_ptr<const TracedMesh>>;
+
   explicit Tracer(const Scene& scene);
+  /// The static scene is what the parts make up together, in place of the scene's own mesh.
+  Tracer(const Scene& scene, Parts parts);
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
   const Scene& scene() const;
+  const Parts& parts() const;
+  /// Takes other parts. No query may be running.
+  void set_parts(Parts parts);
 
   /// First surface along a ray (unit direction, map frame) of the static scene.
   std::optional<TraceHit> trace_static(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
