@@ -3,7 +3,6 @@
 #include "commands.h"
 #include "cpplus/core/log.h"
 #include "cpplus/core/options.h"
-#include "cpplus/io/atomic_file.h"
 #include "cpplus/pipeline/write_world.h"
 
 namespace cpplus {
@@ -27,7 +26,6 @@ struct SimulateCommandOptions {
 };
 
 void run(const SimulateCommandOptions& options) {
-  const AtomicFile probe(options.out + "/map.pcd");  // fails before the work rather than after it
   const SimulationSummary summary = simulate(options.simulate, options.out);
   log_info(fmt::format("{}: {} images, {} scans, {} map points, {} checkerboards, {} true edges", options.out,
                        summary.images, summary.scans, summary.map_points, summary.checkerboards, summary.true_edges));

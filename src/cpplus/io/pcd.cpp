@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -14,8 +13,6 @@
 #include <vector>
 
 #include "cpplus/core/error.h"
-#include "cpplus/core/parallel.h"
-#include "cpplus/io/atomic_file.h"
 #include "cpplus/io/lzf.h"
 #include "cpplus/io/text_parse.h"
 
@@ -300,81 +297,6 @@ class CompressedSource : public CloudSource {
   std::vector<std::unique_ptr<CompressedColumn>> columns_;
 };
 
-constexpr const char* kPackedColor = "rgb";
-
-/// Calls visit(name, value_of) for each field of a cloud's records; value_of(i) is the value of point i.
-template <typename Visit>
-void for_each_field(const PointCloud& cloud, const Visit& visit) {
-  constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-  for (int axis = 0; axis < 3; ++axis) {
-    const char* name = kAxes[static_cast<size_t>(axis)];
-    if (cloud.origin.isZero(0.0)) {
-      visit(name, [&](size_t i) { return cloud.positions[i][axis]; });
-    } else {
-      visit(name, [&](size_t i) { return cloud.origin[axis] + static_cast<double>(cloud.positions[i][axis]); });
-    }
-  }
-  const auto visit_values = [&](const char* name, const auto& values) {
-    if (!values.empty()) visit(name, [&](size_t i) { return values[i]; });
-  };
-  visit_values("intensity", cloud.intensities);
-  if (!cloud.colors.empty()) {
-    visit(kPackedColor, [&](size_t i) {
-      const Rgb& color = cloud.colors[i];
-      return static_cast<uint32_t>(color[0]) << 16 | static_cast<uint32_t>(color[1]) << 8 | color[2];
-    });
-  }
-  visit_values("timestamp", cloud.stamps_s);
-  visit_values("num_views", cloud.num_views);
-  visit_values("best_image", cloud.best_images);
-  visit_values("color_spread", cloud.color_spreads);
-}
-
-void fill_records(const PointCloud& cloud, size_t first, size_t size, size_t record_size, char* records) {
-  size_t offset = 0;
-  for_each_field(cloud, [&](const char*, const auto& value_of) {
-    for (size_t i = 0; i < size; ++i) {
-      const auto value = value_of(first + i);
-      std::memcpy(records + i * record_size + offset, &value, sizeof(value));
-    }
-    offset += sizeof(value_of(0));
-  });
-}
-
-/// Returns the bytes of a record. `block`: some of the points.
-size_t write_header(const PointCloud& block, size_t num_points, std::ostream* stream) {
-  std::string fields, sizes, types, counts;
-  size_t record_size = 0;
-  for_each_field(block, [&](const char* name, const auto& value_of) {
-    using Value = decltype(value_of(0));
-    fields += fmt::format(" {}", name);
-    sizes += fmt::format(" {}", sizeof(Value));
-    // Packed colours are called a float, as PCL does.
-    types += std::is_floating_point_v<Value> || name == kPackedColor ? " F" : " U";
-    counts += " 1";
-    record_size += sizeof(Value);
-  });
-  *stream << fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\nWIDTH {}\n"
-      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
-      fields, sizes, types, counts, num_points, num_points);
-  return record_size;
-}
-
-/// A batch of pieces is made by all threads and then written, so that memory does not grow with the cloud.
-void write_records(const PointCloud& cloud, size_t record_size, std::ostream* stream) {
-  constexpr size_t kPiece = 1 << 14;
-  constexpr size_t kBatch = 8 * kPiece;
-  std::vector<char> records(std::min(kBatch, cloud.size()) * record_size);
-  for (size_t first = 0; first < cloud.size(); first += kBatch) {
-    const size_t size = std::min(kBatch, cloud.size() - first);
-    parallel_for_chunks(size, kPiece, [&](size_t begin, size_t end) {
-      fill_records(cloud, first + begin, end - begin, record_size, &records[begin * record_size]);
-    });
-    stream->write(records.data(), static_cast<std::streamsize>(size * record_size));
-  }
-}
-
 }  // namespace
 
 PcdHeader read_pcd_header(BlockReader* reader) {
@@ -429,16 +351,6 @@ std::unique_ptr<CloudSource> open_pcd(const std::string& path) {
       return std::make_unique<CompressedSource>(std::move(reader), std::move(header));
   }
   throw Error(fmt::format("{}: PCD header: unknown DATA", path));
-}
-
-void write_pcd(const std::string& path, const CloudStream& cloud) {
-  AtomicFile file(path);
-  size_t record_size = 0;  // 0 before the header is written
-  cloud.for_each_block([&](const PointCloud& block) {
-    if (record_size == 0) record_size = write_header(block, cloud.num_points, &file.stream());
-    write_records(block, record_size, &file.stream());
-  });
-  file.commit();
 }
 
 }  // namespace cpplus

@@ -80,7 +80,7 @@ struct Scene {
   float light_cell_m = 0.06f;  // spacing at which soft light is computed on surfaces
 };
 
-/// "room", "rooms", "hall", "street", "corridor".
+/// "room", "rooms", "hall", "street", "corridor": the scenes that are made as a whole.
 const std::vector<std::string>& scene_names();
 
 /// Builds a scene; the seed chooses sizes, furniture, colours and the way. Throws UsageError for an unknown name.

@@ -1,7 +1,5 @@
 #include "cpplus/simulate/simulate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
@@ -12,48 +10,12 @@
 #include "cpplus/simulate/boards_along_way.h"
 #include "cpplus/simulate/hash.h"
 #include "cpplus/simulate/map_fit.h"
+#include "cpplus/simulate/recording.h"
 
 namespace cpplus {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr int kRangeStep = 4;
-constexpr double kRangeOffset = 1.5;  // pixel (4 i + 2, 4 j + 2) where the corner of the image is (0, 0)
-constexpr double kMovingShare = 5e-4;
-
-Camera make_camera(const SimulateOptions& options) {
-  const auto model = camera_model_from_name(options.camera);
-  const double width = options.width;
-  const double height = options.height;
-  const double focal = 0.652 * width;
-  // Off the middle, as principal points are.
-  const double cx = 0.5 * width - 0.5 + 0.0032 * width;
-  const double cy = 0.5 * height - 0.5 - 0.006 * height;
-  switch (*model) {
-    case CameraModel::kPinhole:
-      return Camera(*model, options.width, options.height, {focal, focal, cx, cy});
-    case CameraModel::kOpenCv:
-      return Camera(*model, options.width, options.height, {focal, focal, cx, cy, -0.105, 0.032, 0.0007, -0.0005});
-    case CameraModel::kOpenCvFisheye: {
-      const double fisheye_focal = width / M_PI;  // 180 degrees across the width
-      return Camera(*model, options.width, options.height,
-                    {fisheye_focal, fisheye_focal, cx, cy, 0.012, -0.006, 0.001, -0.0002});
-    }
-    default:
-      return Camera(*model, options.width, options.height, {width, height});
-  }
-}
-
-/// The camera looks along the LiDAR's x axis, slightly turned, a hand's breadth below it.
-Rigid3 make_extrinsic(uint64_t seed) {
-  Random random(hash_seed(seed, 0xE7));
-  Eigen::Matrix3d lidar_from_camera;
-  lidar_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const Vector3d turn(random.uniform(-0.05, 0.05), random.uniform(-0.03, 0.03), random.uniform(-0.015, 0.015));
-  return Rigid3(Eigen::Matrix3d(lidar_from_camera * so3_exp(turn)),
-                Vector3d(random.uniform(0.05, 0.1), random.uniform(-0.03, 0.03), random.uniform(-0.13, -0.08)));
-}
 
 /// How much a standing LiDAR sees from a place: free depth in a cone of 30 degrees, and checkerboards.
 double view_score(const Tracer& tracer, const WayPoint& place, double height_m) {
@@ -118,23 +80,9 @@ bool runs_into(const MovingBody& body, const Path& path) {
   return false;
 }
 
-/// `count` instants spread evenly over the middle of the way, each moved a little.
-std::vector<double> spread_stamps(int count, double duration_s, double jitter, uint64_t seed) {
-  Random random(seed);
-  std::vector<double> stamps;
-  for (int i = 0; i < count; ++i) {
-    const double share = (i + 0.5 + jitter * random.uniform(-0.5, 0.5)) / count;
-    stamps.push_back(duration_s * (0.03 + 0.94 * share));
-  }
-  return stamps;
-}
-
 std::vector<SimulatedScan> take_scans(const Tracer& tracer, const Path& path, const SimulateOptions& options) {
   const auto seed = static_cast<uint64_t>(options.seed);
-  const SmoothNoise jitter(hash_seed(seed, 0x71), 4.0, 25.0);
-  const double rotation = options.scan_pose_sigma_deg * M_PI / 180.0;
-  // A standing LiDAR is tracked better.
-  const double scale = options.standing ? 0.4 : 1.0;
+  const StatedPoses stated(options);
   const std::vector<double> stamps = options.standing
                                          ? spread_stamps(options.scans, options.scans, 0.0, hash_seed(seed, 0x5C))
                                          : spread_stamps(options.scans, path.duration_s(), 0.0, hash_seed(seed, 0x5C));
@@ -143,11 +91,7 @@ std::vector<SimulatedScan> take_scans(const Tracer& tracer, const Path& path, co
     SimulatedScan scan;
     scan.stamp_s = stamps[static_cast<size_t>(i)];
     scan.true_map_from_lidar = path.map_from_lidar(options.standing ? 0.0 : scan.stamp_s);
-    const Vector6d noise = scale * jitter.at(scan.stamp_s);
-    scan.map_from_lidar = scan.true_map_from_lidar;
-    scan.map_from_lidar.rotation =
-        scan.map_from_lidar.rotation * Eigen::Quaterniond(so3_exp(rotation * noise.head<3>()));
-    scan.map_from_lidar.translation += options.scan_pose_sigma_m * noise.tail<3>();
+    scan.map_from_lidar = stated.at(scan.stamp_s, scan.true_map_from_lidar);
     scan.scan = fire_scan(tracer, scan.true_map_from_lidar, scan.stamp_s, i, hash_seed(seed, 0x11), options.lidar);
     scans.push_back(std::move(scan));
   }
@@ -206,40 +150,11 @@ std::vector<DisplacedPoint> seen_points(const Tracer& tracer, const SimulatedWor
   return points;
 }
 
-/// Which images a jolt blurs: spread over the sequence.
-std::vector<Shot> plan_shots(const Path& path, const SimulateOptions& options) {
-  const auto seed = static_cast<uint64_t>(options.seed);
-  std::vector<Shot> shots;
-  for (const double stamp : spread_stamps(options.images, path.duration_s(), 0.3, hash_seed(seed, 0x1A))) {
-    Shot shot;
-    shot.stamp_s = stamp;
-    shot.seed = hash_seed(seed, 0x1B, shots.size());
-    shots.push_back(shot);
-  }
-  Random random(hash_seed(seed, 0x1C));
-  for (int i = 0; i < options.blurred; ++i) {
-    const int index = std::min(options.images - 1,
-                               static_cast<int>((i + random.uniform(0.3, 0.7)) * options.images / options.blurred));
-    Shot& shot = shots[static_cast<size_t>(index)];
-    shot.blur_px = options.width / 1024.0 * random.uniform(13.0, 24.0);
-    shot.blur_direction_rad = random.uniform(-0.8, 0.8);
-  }
-  return shots;
-}
-
 void take_images(const Tracer& tracer, const Path& path, const SimulateOptions& options, SimulatedWorld* world) {
   const SoftLight light(tracer, world->scene.light_cell_m);
   const Renderer renderer(tracer, light, world->camera, path, world->lidar_from_camera, options.render);
-  for (const Shot& shot : plan_shots(path, options)) {
-    SimulatedImage image;
-    image.name = fmt::format("{:06d}.jpg", world->images.size());
-    image.stamp_s = shot.stamp_s;
-    image.camera_from_map = renderer.camera_from_map(shot.stamp_s);
-    image.pixels = renderer.render(shot);
-    image.range = renderer.range(shot, kRangeStep, kRangeOffset);
-    image.blur_px = shot.blur_px;
-    image.blur_direction_rad = shot.blur_direction_rad;
-    image.shows_moving = renderer.moving_share(shot, 8) > kMovingShare;
+  for (const Shot& shot : plan_shots(path.duration_s(), options)) {
+    SimulatedImage image = take_image(renderer, shot, world->images.size());
     for (BoardView& view : find_board_views(tracer, renderer, world->camera, shot, world->images.size())) {
       world->board_views.push_back(std::move(view));
     }
@@ -262,8 +177,12 @@ void fit_images_to_map(const Tracer& tracer, SimulatedWorld* world) {
 }  // namespace
 
 void SimulateOptions::validate() const {
-  if (std::find(scene_names().begin(), scene_names().end(), scene) == scene_names().end()) {
-    throw UsageError("option scene must be room, rooms, hall, street or corridor, got " + scene);
+  if (is_district()) {
+    validate_district();
+  } else if (std::find(scene_names().begin(), scene_names().end(), scene) == scene_names().end()) {
+    throw UsageError("option scene must be room, rooms, hall, street, corridor or district, got " + scene);
+  } else if (area_km2 != 0.0 || points_million != 0.0) {
+    throw UsageError("options area and points are for scene district, got scene " + scene);
   }
   if (camera != "PINHOLE" && camera != "OPENCV" && camera != "OPENCV_FISHEYE" && camera != "EQUIRECTANGULAR") {
     throw UsageError("option camera must be PINHOLE, OPENCV, OPENCV_FISHEYE or EQUIRECTANGULAR, got " + camera);
@@ -282,15 +201,25 @@ void SimulateOptions::validate() const {
   render.validate();
 }
 
+void SimulateOptions::validate_district() const {
+  if (area_km2 == 0.0) throw UsageError("option area is required for scene district");
+  check_option(area_km2 >= 0.01 && area_km2 <= 16.0, "area", "[0.01, 16]", area_km2);
+  check_option(points_million >= 0.0 && points_million <= 1e4, "points", "[0, 10000]", points_million);
+  // Every street within reach is in memory.
+  check_option(lidar.max_range_m <= 200.0, "max_range_m", "(min_range_m, 200] for scene district", lidar.max_range_m);
+  if (standing || boards > 0) throw UsageError("options standing and boards are not for scene district");
+}
+
 SimulatedWorld simulate_world(const SimulateOptions& options) {
   options.validate();
+  if (options.is_district()) throw UsageError("scene district does not fit into memory");
   const auto seed = static_cast<uint64_t>(options.seed);
   SimulatedWorld world;
   world.scene = build_scene(options.scene, seed);
   if (!options.moving) world.scene.bodies.clear();
   add_boards_along_way(options.boards, seed, &world.scene);
-  world.camera = make_camera(options);
-  world.lidar_from_camera = make_extrinsic(seed);
+  world.camera = simulated_camera(options);
+  world.lidar_from_camera = simulated_extrinsic(seed);
   if (options.standing) world.scene.way = standing_way(Tracer(world.scene), seed);
   const Path path(world.scene.way);
   std::erase_if(world.scene.bodies, [&](const MovingBody& body) { return runs_into(body, path); });
@@ -302,12 +231,7 @@ SimulatedWorld simulate_world(const SimulateOptions& options) {
   fit_images_to_map(tracer, &world);
   world.edges = find_true_edges(tracer);
 
-  std::vector<double> stamps;
-  for (const SimulatedImage& image : world.images) stamps.push_back(image.stamp_s);
-  const auto camera_at = [&](double time_s) { return inverse(path.map_from_lidar(time_s) * world.lidar_from_camera); };
-  for (const CoarseOptions& level : standard_coarse_levels(seed)) {
-    world.coarse.push_back(make_coarse_poses(camera_at, stamps, level));
-  }
+  world.coarse = coarse_levels(path, world.lidar_from_camera, stamps_of(world.images), seed);
   return world;
 }
 
