@@ -86,7 +86,21 @@ LightCells::LightCells(const Mesh& mesh, float cell_m) {
     num_cells += static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows);
     grids_.push_back(grid);
   }
-  cells_ = std::make_unique<std::atomic<uint64_t>[]>(num_cells);
+  cells_ = std::make_unique<std::atomic<std::atomic<uint64_t>*>[]>(grids_.size());
+}
+
+LightCells::~LightCells() {
+  for (size_t i = 0; i < grids_.size(); ++i) delete[] cells_[i].load();
+}
+
+std::atomic<uint64_t>* LightCells::cells(uint32_t face_index) const {
+  std::atomic<uint64_t>* known = cells_[face_index].load();
+  if (known != nullptr) return known;
+  const FaceGrid& grid = grids_[face_index];
+  auto fresh =
+      std::make_unique<std::atomic<uint64_t>[]>(static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows));
+  // Of two threads that come at once, one finds the other's.
+  return cells_[face_index].compare_exchange_strong(known, fresh.get()) ? fresh.release() : known;
 }
 
 SoftLight::SoftLight(const Tracer& tracer, float cell_m) : tracer_(tracer) {
@@ -111,9 +125,9 @@ Vector3f SoftLight::at(const TraceHit& hit) const {
 Vector3f SoftLight::cell_value(const TraceHit& hit, int column, int row) const {
   const LightCells& cells = *parts_[hit.part];
   const LightCells::FaceGrid& grid = cells.grid(hit.face_index);
-  const size_t cell =
-      grid.first + static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column);
-  const uint64_t known = cells.cell(cell).load(std::memory_order_relaxed);
+  const size_t place = static_cast<size_t>(row) * static_cast<size_t>(grid.columns) + static_cast<size_t>(column);
+  std::atomic<uint64_t>& cell = cells.cells(hit.face_index)[place];
+  const uint64_t known = cell.load(std::memory_order_relaxed);
   if (known != 0) return unpack(known);
   const MeshFace& face = *hit.face;
   Vector2f uv = grid.low + grid.step.cwiseProduct(Vector2f(static_cast<float>(column), static_cast<float>(row)));
@@ -121,8 +135,8 @@ Vector3f SoftLight::cell_value(const TraceHit& hit, int column, int row) const {
   const Vector3f on_plane = face.uv_origin + uv.x() * face.u_axis + uv.y() * face.v_axis;
   // uv_origin need not lie in the plane of the face; the normal part comes from a corner.
   const Vector3f point = on_plane + face.normal * face.normal.dot(face.corners[0] - on_plane);
-  const uint64_t word = pack(gather(clamp_into_face(face, point), face.normal, hash_seed(977, cell)));
-  cells.cell(cell).store(word, std::memory_order_relaxed);
+  const uint64_t word = pack(gather(clamp_into_face(face, point), face.normal, hash_seed(977, grid.first + place)));
+  cell.store(word, std::memory_order_relaxed);
   return unpack(word);
 }
 

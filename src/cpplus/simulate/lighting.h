@@ -14,11 +14,12 @@ namespace cpplus {
 /// Radiance of the sky in a direction (unit, map frame), clouds included.
 Eigen::Vector3f sky_radiance(const Sky& sky, const Eigen::Vector3f& direction);
 
-/// What is known of the soft light on the faces of a mesh: a grid of cells a face, unknown at first.
+/// What is known of the soft light on the faces of a mesh: a grid of cells a face, unknown at first. Faces that no
+/// image asks for take no memory for cells.
 class LightCells {
  public:
   struct FaceGrid {
-    size_t first = 0;  // its cell (0, 0)
+    size_t first = 0;  // number of its cell (0, 0) among all cells
     int columns = 0;
     int rows = 0;
     Eigen::Vector2f low = Eigen::Vector2f::Zero();   // uv of cell (0, 0)
@@ -26,14 +27,18 @@ class LightCells {
   };
 
   LightCells(const Mesh& mesh, float cell_m);
+  ~LightCells();
+  LightCells(const LightCells&) = delete;
+  LightCells& operator=(const LightCells&) = delete;
 
   const FaceGrid& grid(uint32_t face_index) const { return grids_[face_index]; }
-  /// Three 21-bit colours and a "known" bit in one word: two threads may both compute a cell, and write the same.
-  std::atomic<uint64_t>& cell(size_t index) const { return cells_[index]; }
+  /// The words of a face's cells, row by row. Three 21-bit colours and a "known" bit in one word: two threads may both
+  /// compute a cell, and write the same.
+  std::atomic<uint64_t>* cells(uint32_t face_index) const;
 
  private:
   std::vector<FaceGrid> grids_;
-  std::unique_ptr<std::atomic<uint64_t>[]> cells_;
+  std::unique_ptr<std::atomic<std::atomic<uint64_t>*>[]> cells_;  // null until asked for
 };
 
 /// Light that changes slowly along a surface: lamps with soft shadows, sky and ambient light with occlusion and one
