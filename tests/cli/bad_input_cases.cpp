@@ -414,6 +414,38 @@ Cases simulate_cases() {
        [](const TinyScene& scene) {
          return simulate(scene, {"--camera", "FULL_OPENCV"});
        }},
+      {"district without an area",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district"});
+       }},
+      {"district of a negative area",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district", "--area", "-2"});
+       }},
+      {"district of an area that is no number",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district", "--area", "nan"});
+       }},
+      {"district as large as a country",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district", "--area", "357000"});
+       }},
+      {"district of fewer than no points",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district", "--area", "1", "--points", "-5"});
+       }},
+      {"area of a room",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "room", "--area", "0.1"});
+       }},
+      {"district with checkerboards",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district", "--area", "1", "--boards", "3"});
+       }},
+      {"district below a file",
+       [](const TinyScene& scene) {
+         return simulate(scene, {"--scene", "district", "--area", "0.01", "--out", scene.path("map.pcd/world")});
+       }},
       {"world below a file",
        [](const TinyScene& scene) {
          return simulate(scene, {"--out", scene.path("map.pcd/world")});
