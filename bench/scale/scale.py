@@ -3,7 +3,8 @@
 
 A simulated world is laid out again and again on a grid, far enough apart that its images see the first copy alone; so
 the map grows while what an image sees stays the same. With --spread every copy has its images, whose number grows with
-the map. Writes OUT/scale.json and OUT/scale.md (scale_spread). Memory is the anonymous memory of the process at its
+the map. With --district simulated city districts of these areas take the place of copies, with --images images all
+over each. Writes OUT/scale.json and OUT/scale.md (scale_spread, scale_district). Memory is the anonymous memory of the process at its
 highest: what it holds itself, without the pages of mapped files, which the system may drop. Needs nothing but Python's
 standard library."""
 
@@ -128,22 +129,48 @@ def run(log, *command):
     return {"seconds": time.monotonic() - begin, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_mb}
 
 
-def measure(program, world, out, copies, threads, spread):
+def measure_copies(program, world, out, copies, threads, spread):
     folder = out / f"{'spread' if spread else 'x'}{copies}"
     folder.mkdir(parents=True, exist_ok=True)
     cloud = folder / "map.pcd"
     points, offsets = write_copies(world / "map.pcd", cloud, copies)
-    row = {"copies": copies, "points": points}
     images, coarse = (world / "images", world / "coarse_small")
     stamps = ["--stamps", world / "stamps.txt"]
     if spread:
         write_spread_images(world, folder, offsets)
         images, coarse, stamps = folder / "images", folder / "coarse", []  # the sequence jumps from copy to copy
+    row = {"copies": copies, "points": points}
+    row.update(measure_commands(program, folder, cloud, images, coarse, stamps, threads))
+    cloud.unlink()
+    return row
+
+
+def num_points(pcd):
+    with open(pcd, "rb") as file:
+        return next(int(line.split()[1]) for line in file if line.startswith(b"POINTS"))
+
+
+def measure_district(program, out, area_km2, images, threads):
+    folder = out / f"district{area_km2:g}"
+    folder.mkdir(parents=True, exist_ok=True)
+    world = folder / "world"
+    row = {"area_km2": area_km2}
+    if not (world / "map.pcd").exists():
+        row["simulate"] = run(folder / "simulate.log", program, "simulate", "--scene", "district", "--area", area_km2,
+                              "--seed", 1, "--images", images, "--out", world, "--quiet", "--threads", threads)
+    row["points"] = num_points(world / "map.pcd")
+    stamps = ["--stamps", world / "stamps.txt"]
+    row.update(measure_commands(program, folder, world / "map.pcd", world / "images", world / "coarse_small", stamps,
+                                threads))
+    return row
+
+
+def measure_commands(program, folder, cloud, images, coarse, stamps, threads):
+    row = {}
     index = folder / "map.vox"
     common = ["--quiet", "--threads", threads]
     inputs = ["--map", index, "--images", images]
     row["index"] = run(folder / "index.log", program, "index", cloud, "--out", index, *common)
-    cloud.unlink()
     row["refine"] = run(folder / "refine.log", program, "refine", *inputs, "--poses", coarse, "--out",
                         folder / "refined", *stamps, *common)
     reports = json.loads((folder / "refined" / "report.json").read_text())["images"]
@@ -173,6 +200,8 @@ def main():
     parser.add_argument("out", type=pathlib.Path, help="folder for worlds, logs and tables")
     parser.add_argument("--copies", default="1,10,50", help="sizes of the map in copies of the world (default 1,10,50)")
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--district", metavar="KM2,...", help="areas of simulated districts, in place of copies")
+    parser.add_argument("--images", type=int, default=200, help="of each district (default 200)")
     parser.add_argument("--spread", action="store_true", help="every copy has its images, not the first one alone")
     settings = parser.parse_args()
     program = settings.build / "apps" / "cpplus"
@@ -180,13 +209,16 @@ def main():
     rows = []
     try:
         settings.out.mkdir(parents=True, exist_ok=True)
-        if not (world / "map.pcd").exists():
+        if not settings.district and not (world / "map.pcd").exists():
             run(settings.out / "simulate.log", program, "simulate", "--scene", "rooms", "--seed", 1, "--out", world)
-        for copies in (int(text) for text in settings.copies.split(",")):
-            rows.append(measure(program, world, settings.out, copies, settings.threads, settings.spread))
+        for size in (settings.district or settings.copies).split(","):
+            if settings.district:
+                rows.append(measure_district(program, settings.out, float(size), settings.images, settings.threads))
+            else:
+                rows.append(measure_copies(program, world, settings.out, int(size), settings.threads, settings.spread))
             report = {"date": datetime.date.today().isoformat(), "machine": platform.processor() or platform.machine(),
                       "threads": settings.threads, "rows": rows}
-            name = "scale_spread" if settings.spread else "scale"
+            name = "scale_district" if settings.district else "scale_spread" if settings.spread else "scale"
             (settings.out / f"{name}.json").write_text(json.dumps(report, indent=1) + "\n")
             (settings.out / f"{name}.md").write_text(table(rows))
             print(table(rows[-1:]).splitlines()[-1], flush=True)

@@ -28,7 +28,7 @@ Arguments district(const std::string& out, const Arguments& more) {
 /// One that takes seconds.
 Arguments tiny_district(const std::string& out, const Arguments& more = {}) {
   Arguments arguments = district(out, {"--points", "0.2", "--images", "2", "--width", "128", "--height", "96",
-                                       "--lidar.azimuth_steps", "360", "--render.samples_per_pixel", "1"});
+                                       "--lidar.azimuth-steps", "360", "--render.samples-per-pixel", "1"});
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <vector>
+
 #include "cpplus/simulate/test_scene.h"
 
 namespace cpplus {
@@ -24,6 +27,35 @@ TEST(Tracer, RangeToAKnownWallIsExact) {
   EXPECT_NEAR(wall->range, 3.0f * std::sqrt(2.0f), 1e-5f);
   EXPECT_TRUE(wall->normal.isApprox(Vector3f(-1, 0, 0), 1e-6f));
   EXPECT_FALSE(tracer.trace_static(Vector3f::Zero(), -Vector3f::UnitX()).has_value());
+}
+
+TEST(Tracer, PartsMakeUpOneScene) {
+  const Scene whole = wall_and_square();
+  // The wall and the square as meshes of their own, each with other materials.
+  Mesh wall, square;
+  MeshBuilder(&wall).add_quad({3.0, 20.0, -20.0}, {0.0, -40.0, 0.0}, {0.0, 0.0, 40.0}, 0);
+  MeshBuilder(&square).add_quad({2.0, 0.5, -0.5}, {0.0, -1.0, 0.0}, {0.0, 0.0, 1.0}, 0);
+  const std::vector<Material> of_wall = {whole.materials[0]}, of_square = {whole.materials[1]};
+  const auto wall_part = std::make_shared<const TracedMesh>(wall, of_wall);
+  const auto square_part = std::make_shared<const TracedMesh>(square, of_square);
+  const Scene around;
+  Tracer tracer(around, {wall_part, square_part});
+  const Tracer whole_tracer(whole);
+  for (double y = -1.0; y < 1.0; y += 0.013) {
+    const Vector3f ray = Vector3f(1.0f, static_cast<float>(y), 0.1f).normalized();
+    const auto hit = tracer.trace_static(Vector3f::Zero(), ray);
+    const auto expected = whole_tracer.trace_static(Vector3f::Zero(), ray);
+    ASSERT_TRUE(hit && expected);
+    EXPECT_EQ(hit->range, expected->range);
+    EXPECT_EQ(hit->part, expected->face->object);
+    EXPECT_EQ(hit->material->emission, whole.materials[expected->face->material].emission);
+  }
+  EXPECT_TRUE(tracer.occluded_static(Vector3f::Zero(), Vector3f::UnitX(), 2.1f));
+  tracer.set_parts({wall_part});
+  EXPECT_FALSE(tracer.occluded_static(Vector3f::Zero(), Vector3f::UnitX(), 2.1f));
+  EXPECT_NEAR(tracer.trace_static(Vector3f::Zero(), Vector3f::UnitX())->range, 3.0f, 1e-6f);
+  tracer.set_parts({});
+  EXPECT_FALSE(tracer.trace_static(Vector3f::Zero(), Vector3f::UnitX()).has_value());
 }
 
 TEST(Tracer, OcclusionStopsAtTheGivenRange) {
