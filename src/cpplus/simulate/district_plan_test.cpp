@@ -44,7 +44,7 @@ TEST(DistrictPlan, ATileIsWhereItsStreetsAre) {
   EXPECT_NEAR(plan.distance_m({0, 0}, {3, 0}), 2.0 * plan.pitch_m, 1e-9);
 }
 
-TEST(DistrictWay, GoesThroughEveryStreetBothWaysAndKeepsToTheStreets) {
+TEST(DistrictWay, GoesThroughEveryStreetAndKeepsToTheStreets) {
   for (const double area_km2 : {0.01, 0.04, 0.09}) {  // 2, 3 and 5 streets
     const DistrictPlan plan = plan_district(area_km2, 1);
     const Path path(district_way(plan));

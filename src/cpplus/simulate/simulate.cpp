@@ -174,11 +174,25 @@ void fit_images_to_map(const Tracer& tracer, SimulatedWorld* world) {
   });
 }
 
+void validate_district(const SimulateOptions& options) {
+  const double area = options.area_km2;
+  const double points = options.points_million;
+  const double range = options.lidar.max_range_m;
+  if (area == 0.0) throw UsageError("option area is required for scene district");
+  check_option(area >= 0.01 && area <= 16.0, "area", "[0.01, 16]", area);
+  check_option(points >= 0.0 && points <= 1e4, "points", "[0, 10000]", points);
+  // Every street within reach is in memory.
+  check_option(range <= 200.0, "lidar.max_range_m", "(min_range_m, 200] for scene district", range);
+  if (options.standing || options.boards > 0) {
+    throw UsageError("options standing and boards are not for scene district");
+  }
+}
+
 }  // namespace
 
 void SimulateOptions::validate() const {
   if (is_district()) {
-    validate_district();
+    validate_district(*this);
   } else if (std::find(scene_names().begin(), scene_names().end(), scene) == scene_names().end()) {
     throw UsageError("option scene must be room, rooms, hall, street, corridor or district, got " + scene);
   } else if (area_km2 != 0.0 || points_million != 0.0) {
@@ -199,15 +213,6 @@ void SimulateOptions::validate() const {
   check_option(map_voxel_m > 0.0 && map_voxel_m <= 1.0, "map_voxel_m", "(0, 1]", map_voxel_m);
   lidar.validate();
   render.validate();
-}
-
-void SimulateOptions::validate_district() const {
-  if (area_km2 == 0.0) throw UsageError("option area is required for scene district");
-  check_option(area_km2 >= 0.01 && area_km2 <= 16.0, "area", "[0.01, 16]", area_km2);
-  check_option(points_million >= 0.0 && points_million <= 1e4, "points", "[0, 10000]", points_million);
-  // Every street within reach is in memory.
-  check_option(lidar.max_range_m <= 200.0, "max_range_m", "(min_range_m, 200] for scene district", lidar.max_range_m);
-  if (standing || boards > 0) throw UsageError("options standing and boards are not for scene district");
 }
 
 SimulatedWorld simulate_world(const SimulateOptions& options) {

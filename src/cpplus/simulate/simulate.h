@@ -77,9 +77,6 @@ struct SimulateOptions {
     visitor.group("lidar", lidar);
     visitor.group("render", render);
   }
-
- private:
-  void validate_district() const;
 };
 
 struct SimulatedImage {
