@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kMillion = 1e6;
 constexpr double kPointsPerKm2 = 400e6;  // some scans of the default LiDAR in 10 m of street
-constexpr double kImageReach = 120.0;    // metres; beyond, streets may end in the sky
+constexpr double kImageReach = 100.0;    // metres; beyond, streets may end in the sky
 constexpr double kMapFitReach = 25.0;    // metres of way
 
 /// When scans are taken: as many and evenly spread as it takes to come to a number of points. How many points a scan
