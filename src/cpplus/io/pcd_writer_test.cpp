@@ -25,6 +25,7 @@ PointCloud some_points(size_t count, float first) {
 
 TEST(PcdWriter, BlocksReadBackAsOneCloud) {
   const std::string path = file_in_temp("blocks.pcd");
+  fs::remove(path);
   PcdWriter writer(path);
   for (const size_t count : {size_t{7}, size_t{0}, size_t{300000}, size_t{1}}) {
     writer.add(some_points(count, static_cast<float>(count)));

@@ -29,7 +29,8 @@ class TracedMesh {
   RTCSceneTy* scene_ = nullptr;
 };
 
-/// The one device of the program: only what is of the same device can be put together. Throws Error where there is none.
+/// The one device of the program: only what is of the same device can be put together. Throws Error where there is
+/// none.
 RTCDeviceTy* embree_device();
 
 }  // namespace cpplus
