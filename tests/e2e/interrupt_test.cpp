@@ -43,10 +43,10 @@ int num_looked_at(const nlohmann::json& report) {
   return count;
 }
 
-// Returns once the program says that some images are done, or after a minute.
-void wait_for_images() {
+// Returns once a file holds a text, or after a minute.
+void wait_for(const std::string& text, const std::string& file) {
   const Stopwatch watch;
-  while (watch.milliseconds() < 6e4 && read_file(stderr_file()).find(R"("stage": "refine")") == std::string::npos) {
+  while (watch.milliseconds() < 6e4 && read_file(file).find(text) == std::string::npos) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -55,7 +55,8 @@ TEST(Interrupt, RefineKeepsTheImagesThatItHasLookedAt) {
   const std::string out = make_test_directory() + "/refined";
   std::vector<std::string> arguments = refine_into(out);
   arguments.emplace_back("--json-progress");
-  const ProcessResult result = run_cpplus_and_kill(arguments, wait_for_images, SIGINT);
+  const ProcessResult result = run_cpplus_and_kill(
+      arguments, [] { wait_for(R"("stage": "refine")", stderr_file()); }, SIGINT);
   ASSERT_EQ(result.exit_code, kInterrupted) << result.err;
   const auto report = nlohmann::json::parse(read_file(out + "/report.json"));
   EXPECT_EQ(report["images"].size(), 8u) << "every image has its row";
@@ -73,6 +74,16 @@ TEST(Interrupt, ColorizeLeavesNothingHalfWritten) {
   if (result.exit_code == 0) GTEST_SKIP() << "colorize was faster than the signal";
   EXPECT_EQ(result.exit_code, kInterrupted) << result.err;
   EXPECT_TRUE(fs::is_empty(directory));
+}
+
+TEST(Interrupt, ViewStopsToServe) {
+  const std::string result_folder = make_test_directory() + "/refined";
+  run_well(refine_into(result_folder));
+  const Stopwatch watch;
+  const ProcessResult result = run_cpplus_and_kill(
+      {"view", result_folder, "--port", "0"}, [] { wait_for("http://127.0.0.1:", stdout_file()); }, SIGTERM);
+  EXPECT_EQ(result.exit_code, kInterrupted) << result.err;
+  EXPECT_LT(watch.milliseconds(), 3e4);
 }
 
 TEST(JsonProgress, EveryLineIsAnObjectAndEveryStageEnds) {

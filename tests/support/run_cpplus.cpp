@@ -21,6 +21,7 @@ std::string output_stem() { return testing::TempDir() + "/cpplus_" + std::to_str
 
 }  // namespace
 
+std::string stdout_file() { return output_stem() + ".out"; }
 std::string stderr_file() { return output_stem() + ".err"; }
 
 namespace {
@@ -48,7 +49,7 @@ std::string test_name() {
 /// `while_running` gets the process's number.
 ProcessResult run(const std::string& program, const std::vector<std::string>& arguments,
                   const std::function<void(pid_t)>& while_running) {
-  const std::string out = output_stem() + ".out";
+  const std::string out = stdout_file();
   const std::string err = stderr_file();
   write_file(out, "");  // there even where the process is killed before it opens them
   write_file(err, "");

@@ -20,7 +20,8 @@ ProcessResult run_program(const std::string& program, const std::vector<std::str
 ProcessResult run_cpplus_and_kill(const std::vector<std::string>& arguments, const std::function<void()>& moment,
                                   int signal = SIGKILL);
 
-/// The file that the standard error of the running program goes to, for a `moment` that waits for a line of it.
+/// The files that the output of the running program goes to, for a `moment` that waits for a line of it.
+std::string stdout_file();
 std::string stderr_file();
 
 /// Runs the built program with these arguments.

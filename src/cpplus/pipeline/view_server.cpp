@@ -3,12 +3,39 @@
 #include <fmt/format.h>
 #include <httplib.h>
 
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include "cpplus/core/error.h"
+#include "cpplus/core/interrupt.h"
 
 namespace cpplus {
 namespace {
 
 constexpr const char* kHost = "127.0.0.1";
+
+// How often a running server looks whether it is to stop.
+constexpr std::chrono::milliseconds kStopCheck(100);
+
+// Stops a server when the user asks for it (core/interrupt.h).
+class StopWatch {
+ public:
+  explicit StopWatch(httplib::Server* server)
+      : thread_([this, server] {
+          for (; !ended_; std::this_thread::sleep_for(kStopCheck)) {
+            if (interrupt_requested()) server->stop();  // again where it did not listen yet
+          }
+        }) {}
+  ~StopWatch() {
+    ended_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
 
 bool names_this_machine(const std::string& host) {
   const std::string name = host.substr(0, host.find(':'));
@@ -36,7 +63,10 @@ void serve_view(const std::string& folder, int port, const std::function<std::ve
   if (bound < 0)
     throw Error(fmt::format("{}:{}: cannot listen there; is the port taken? (--port 0 finds one)", kHost, port));
   on_ready(fmt::format("http://{}:{}/", kHost, bound));
-  if (!server.listen_after_bind()) throw Error(fmt::format("{}:{}: the server stopped", kHost, bound));
+  const StopWatch watch(&server);
+  const bool ended_well = server.listen_after_bind();
+  check_interrupt();
+  if (!ended_well) throw Error(fmt::format("{}:{}: the server stopped", kHost, bound));
 }
 
 }  // namespace cpplus
