@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/progress.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/map_io.h"
 #include "cpplus/pipeline/map_near_images.h"
@@ -54,7 +55,8 @@ void add_pictures(const RefineResult& result, const ReportCommandOptions& option
     const PointMap points = read_map(result.inputs.map, result.stages.voxel_map);
     const NearMap near =
         map_near_places(result.inputs.map, points, camera_centers(result.coarse), map_reach_m(result.stages));
-    const MapFeatures features = extract_map_features(near.points, result.stages);
+    Progress progress("map", kMapSteps);
+    const MapFeatures features = extract_map_features(near.points, result.stages, &progress);
     drawn = draw_pictures(result, features, plan.missing, folder, options.picture_size_px);
     write_floor_plan(features.map, *page, floor_plan);
   }
