@@ -135,12 +135,13 @@ std::vector<TileFeatures> FeatureStore::load(const std::vector<size_t>& tiles) {
   }
   num_found_ += missing.size();
   num_read_ += tiles.size() - missing.size();
+  if (!missing.empty() && tiles_.size() > 1 && !noise_m_) noise_m_ = sampled_noise_m(points_.map, stages_.planes);
   Progress progress("map", kMapSteps * missing.size());
   for (size_t begin = 0; begin < missing.size(); begin += kTilesAtATime) {
     const size_t end = std::min(begin + kTilesAtATime, missing.size());
     parallel_for_each(end - begin, [&](size_t i) {
       const size_t k = missing[begin + i];
-      features[k] = find_tile_features(points_, tiles_[tiles[k]], options_.halo_m, stages_, &progress);
+      features[k] = find_tile_features(points_, tiles_[tiles[k]], options_.halo_m, noise_m_, stages_, &progress);
     });
     for (size_t i = begin; i < end; ++i) keep(tiles[missing[i]], features[missing[i]]);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,7 @@ class FeatureStore {
   FeatureStoreOptions options_;
   std::string key_;
   std::vector<MapTile> tiles_;
+  std::optional<double> noise_m_;  // of more than one tile, once it was needed
   size_t num_found_ = 0;
   size_t num_read_ = 0;
   bool is_writable_ = true;

@@ -48,7 +48,7 @@ class JoinTiles : public testing::Test {
     whole_ = std::make_unique<MapFeatures>(extract_map_features(*points_, {}, &progress));
     tiles_ = divide_map(points_->map, points_->map.num_points() / 4);
     found_ = find_tiles();
-    joined_ = std::make_unique<MapFeatures>(join_all());
+    joined_ = std::make_unique<MapFeatures>(join_all(found_));
   }
   static void TearDownTestSuite() {
     points_.reset();
@@ -59,16 +59,17 @@ class JoinTiles : public testing::Test {
   static std::vector<TileFeatures> find_tiles() {
     Progress progress("map", kMapSteps * tiles_.size());
     std::vector<TileFeatures> found;
-    for (const MapTile& tile : tiles_) found.push_back(find_tile_features(*points_, tile, kHaloM, {}, &progress));
+    for (const MapTile& tile : tiles_)
+      found.push_back(find_tile_features(*points_, tile, kHaloM, sampled_noise_m(points_->map, {}), {}, &progress));
     return found;
   }
 
-  static MapFeatures join_all() {
+  static MapFeatures join_all(const std::vector<TileFeatures>& found) {
     std::vector<uint32_t> roots(points_->map.num_nodes(0));
     std::iota(roots.begin(), roots.end(), 0u);
     std::vector<const MapTile*> tiles;
     for (const MapTile& tile : tiles_) tiles.push_back(&tile);
-    return join_tiles(points_->map, points_->map, roots, tiles, found_, {});
+    return join_tiles(points_->map, points_->map, roots, tiles, found, {});
   }
 
   static std::unique_ptr<PointMap> points_;
@@ -113,15 +114,14 @@ TEST_F(JoinTiles, OneTileHasTheFeaturesOfTheMap) {
   const auto tiles = divide_map(points_->map, points_->map.num_points());
   ASSERT_EQ(tiles.size(), 1u);
   Progress progress("map", kMapSteps);
-  const std::vector<TileFeatures> found = {find_tile_features(*points_, tiles[0], kHaloM, {}, &progress)};
+  const std::vector<TileFeatures> found = {find_tile_features(*points_, tiles[0], kHaloM, std::nullopt, {}, &progress)};
   expect_same(join_tiles(points_->map, points_->map, tiles[0].roots, {&tiles[0]}, found, {}), *whole_);
 }
 
 TEST_F(JoinTiles, ThreadsDoNotMatter) {
   for (const int threads : {1, 2}) {
     set_num_threads(threads);
-    found_ = find_tiles();
-    expect_same(join_all(), *joined_);
+    expect_same(join_all(find_tiles()), *joined_);
   }
   set_num_threads(0);
 }
@@ -240,6 +240,23 @@ TEST_F(JoinTiles, EdgesAreThoseOfTheWholeMapAndOnceEachAtBorders) {
     EXPECT_GT(share_with(edges, expected, 1, 9), 0.97) << static_cast<int>(kind) << ": not there on the whole map";
     EXPECT_EQ(share_with(near_borders(edges), edges, 1, 1), 1.0) << static_cast<int>(kind) << ": twice";
   }
+}
+
+TEST_F(JoinTiles, WhereEachTileIsLookedAtWithAllOfTheMapNothingIsMissingAndNothingAdded) {
+  constexpr double kAllM = 100.0;
+  const double noise_m = sampled_noise_m(points_->map, {});
+  EXPECT_EQ(noise_m, whole_->planes.noise_m);
+  Progress progress("map", kMapSteps * tiles_.size());
+  std::vector<TileFeatures> found;
+  for (const MapTile& tile : tiles_) {
+    found.push_back(find_tile_features(*points_, tile, kAllM, noise_m, {}, &progress));
+  }
+  const MapFeatures joined = join_all(found);
+  EXPECT_EQ(joined.planes.planes.size(), whole_->planes.planes.size());
+  EXPECT_EQ(joined.surface.leaves, whole_->surface.leaves);
+  EXPECT_EQ(joined.surface.centers, whole_->surface.centers);
+  EXPECT_EQ(share_with(whole_->edges, joined.edges, 1, 9), 1.0);
+  EXPECT_EQ(share_with(joined.edges, whole_->edges, 1, 9), 1.0);
 }
 
 TEST_F(JoinTiles, AnEdgeAcrossABorderIsOneGroup) {

@@ -84,10 +84,11 @@ void RefineImagesOptions::validate() const {
   nid.validate();
 }
 
-MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options, Progress* progress) {
+MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options, Progress* progress,
+                                 std::optional<double> noise_m) {
   MapFeatures features;
   features.map = points.map;
-  features.planes = segment_planes(features.map, options.planes);
+  features.planes = segment_planes(features.map, options.planes, noise_m);
   progress->advance();
   features.surface = collect_plane_surface(features.map, features.planes, options.visibility);
   progress->advance();

@@ -87,8 +87,9 @@ struct MapFeatures {
   std::vector<float> equal_intensities;  // in the order of the map, equalised; of --method nid alone
 };
 
-/// Finds them; advances the progress by kMapSteps.
-MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options, Progress* progress);
+/// Finds them; advances the progress by kMapSteps. `noise_m`: the map's range noise where it is known (segment_planes).
+MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options, Progress* progress,
+                                 std::optional<double> noise_m = std::nullopt);
 inline constexpr size_t kMapSteps = 4;
 
 /// How far from the coarse pose of an image a map must reach for the same result as with all of it, metres: as far as

@@ -12,6 +12,8 @@ namespace {
 
 // Leaves this near to the tile tell which planes of neighbouring tiles are the same, metres.
 constexpr double kPatchesAroundM = 0.5;
+// The noise is a quantile: this many roots tell it as well as all.
+constexpr size_t kMostNoiseRoots = 2048;
 
 /// A root of the tile or around it.
 struct PartRoot {
@@ -92,11 +94,11 @@ bool touches(const Eigen::AlignedBox3d& box, const MapEdge& edge) {
 }  // namespace
 
 TileFeatures find_tile_features(const PointMap& points, const MapTile& tile, double halo_m,
-                                const RefineImagesOptions& options, Progress* progress) {
+                                std::optional<double> noise_m, const RefineImagesOptions& options, Progress* progress) {
   const std::vector<uint32_t> around = roots_around(points.map, tile, halo_m);
   RefineImagesOptions all_planes = options;
   all_planes.visibility.min_plane_points = 0;  // a plane may have more points in other tiles
-  const MapFeatures found = extract_map_features(part_of_map(points, around), all_planes, progress);
+  const MapFeatures found = extract_map_features(part_of_map(points, around), all_planes, progress, noise_m);
   const std::vector<PartRoot> roots = roots_of_part(points.map, found.map, tile, around);
   TileFeatures result;
   result.noise_m = found.planes.noise_m;
@@ -113,6 +115,13 @@ TileFeatures find_tile_features(const PointMap& points, const MapTile& tile, dou
   }
   return_freed_memory();
   return result;
+}
+
+double sampled_noise_m(const VoxelMap& map, const PlaneSegmentationOptions& options) {
+  std::vector<uint32_t> roots;
+  const size_t step = (map.num_nodes(0) + kMostNoiseRoots - 1) / kMostNoiseRoots;
+  for (size_t root = 0; root < map.num_nodes(0); root += step) roots.push_back(static_cast<uint32_t>(root));
+  return range_noise_m(map, roots, options);
 }
 
 }  // namespace cpplus
