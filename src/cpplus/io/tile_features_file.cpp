@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <array>
-#include <bit>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -13,13 +12,13 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/atomic_file.h"
+#include "cpplus/io/byte_packer.h"
 #include "cpplus/io/mapped_file.h"
 
 namespace cpplus {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'C', 'P', '+', 'T', 'I', 'L', 'E', 'S'};
-static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -32,64 +31,6 @@ struct Header {
 static_assert(sizeof(Header) == 32 && std::is_trivially_copyable_v<Header>);
 
 uint32_t checksum_of(const uint8_t* data, size_t size) { return static_cast<uint32_t>(crc32_z(0, data, size)); }
-
-/// Appends numbers to bytes.
-class Packer {
- public:
-  explicit Packer(std::string* bytes) : bytes_(*bytes) {}
-
-  template <typename T>
-  void number(const T& value) {
-    static_assert(std::is_arithmetic_v<T>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
-  }
-  template <typename Matrix>
-  void matrix(const Matrix& values) {
-    bytes_.append(reinterpret_cast<const char*>(values.data()),
-                  static_cast<size_t>(values.size()) * sizeof(*values.data()));
-  }
-  template <typename Array>
-  void size(const Array& values) {
-    number(static_cast<uint64_t>(values.size()));
-  }
-
- private:
-  std::string& bytes_;
-};
-
-/// Takes numbers from bytes; is_well() turns false where they end too early.
-class Unpacker {
- public:
-  explicit Unpacker(std::span<const uint8_t> bytes) : bytes_(bytes) {}
-
-  template <typename T>
-  void number(T& value) {
-    take(&value, sizeof(T));
-  }
-  template <typename Matrix>
-  void matrix(Matrix& values) {
-    take(values.data(), static_cast<size_t>(values.size()) * sizeof(*values.data()));
-  }
-  template <typename Array>
-  void size(Array& values) {
-    uint64_t count = 0;
-    number(count);
-    is_well_ = is_well_ && count <= bytes_.size();  // an element has a byte at least
-    values.resize(is_well_ ? count : 0);
-  }
-  bool is_at_end() const { return is_well_ && bytes_.empty(); }
-
- private:
-  void take(void* to, size_t size) {
-    is_well_ = is_well_ && size <= bytes_.size();
-    if (!is_well_) return;
-    std::memcpy(to, bytes_.data(), size);
-    bytes_ = bytes_.subspan(size);
-  }
-
-  std::span<const uint8_t> bytes_;
-  bool is_well_ = true;
-};
 
 template <typename Archive, typename Planes>
 void transfer_planes(Archive& archive, Planes& planes) {
@@ -146,7 +87,7 @@ void transfer(Archive& archive, Features& features) {
 
 void write_tile_features(const std::string& path, const std::string& key, const TileFeatures& features) {
   std::string content = key;
-  Packer packer(&content);
+  BytePacker packer(&content);
   transfer(packer, features);
   Header header;
   header.file_size = sizeof(header) + content.size();
@@ -176,7 +117,7 @@ std::optional<TileFeatures> read_tile_features(const std::string& path, const st
   }
   if (std::string(content.begin(), content.begin() + header.key_size) != key) return std::nullopt;
   TileFeatures features;
-  Unpacker unpacker(content.subspan(header.key_size));
+  ByteUnpacker unpacker(content.subspan(header.key_size));
   transfer(unpacker, features);
   if (!unpacker.is_at_end()) throw Error(fmt::format("{}: damaged: its arrays do not end with the file", path));
   return features;
