@@ -14,8 +14,8 @@
 namespace cpplus {
 
 struct FeatureStoreOptions {
-  /// Planes and edges of a map with more points are found in tiles of at most so many; some 200 bytes of memory for
-  /// each point of four tiles. [1, 2^31)
+  /// Planes and edges of a map with more points are found in tiles of at most so many; with what is around a tile some
+  /// 90 bytes of memory a point, for a tile a thread but four at most. [1, 2^31)
   int max_points = 2'000'000;
   /// How far around a tile is looked at as well, metres. [1, inf)
   double halo_m = 4.0;
