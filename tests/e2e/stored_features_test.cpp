@@ -81,6 +81,14 @@ TEST_F(StoredFeatures, ASecondRunReadsThemAndFindsTheSamePoses) {
   for (size_t i = 0; i < files.size(); ++i) EXPECT_TRUE(read_file(files[i]) == contents[i]) << files[i];
 }
 
+TEST_F(StoredFeatures, ReportTakesThoseOfRefine) {
+  run_well(refine("refined"));
+  const std::vector<std::string> files = tile_files();
+  fs::remove_all(map_ + ".features");
+  run_well({"report", directory_ + "/refined"});
+  EXPECT_EQ(tile_files(), files) << "found again with the options of refine";
+}
+
 TEST_F(StoredFeatures, IndexFindsThemBeforehand) {
   run_well(refine("first"));
   Arguments with_features = index();

@@ -47,6 +47,18 @@ void FeatureStoreOptions::validate() const {
   check_option(halo_m >= 1.0, "halo_m", "[1, inf)", halo_m);
 }
 
+std::optional<FeatureStore> open_feature_store(const std::string& map_path, const PointMap& points, bool keep_features,
+                                               const RefineImagesOptions& stages, const FeatureStoreOptions& options) {
+  if (!keep_features || !is_voxel_map_file(map_path)) return std::nullopt;
+  return FeatureStore(map_path, points, stages, options);
+}
+
+MapFeatures find_map_features(const NearMap& near, FeatureStore* store, const RefineImagesOptions& stages) {
+  if (store != nullptr) return store->find(near.roots, near.points.map);
+  Progress progress("map", kMapSteps);
+  return extract_map_features(near.points, stages, &progress);
+}
+
 std::string features_folder(const std::string& map_path) { return map_path + ".features"; }
 
 void remove_features(const std::string& map_path) {

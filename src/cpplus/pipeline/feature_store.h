@@ -9,6 +9,7 @@
 #include "cpplus/cloud/point_map.h"
 #include "cpplus/cloud/tile_features.h"
 #include "cpplus/core/options.h"
+#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/refine_images.h"
 
 namespace cpplus {
@@ -67,6 +68,13 @@ class FeatureStore {
   size_t num_read_ = 0;
   bool is_writable_ = true;
 };
+
+/// The store of a map where its features are kept, which takes a voxel map file; else nothing.
+std::optional<FeatureStore> open_feature_store(const std::string& map_path, const PointMap& points, bool keep_features,
+                                               const RefineImagesOptions& stages, const FeatureStoreOptions& options);
+
+/// The features of a part of a map: from the store where there is one (not null), else found in the part alone.
+MapFeatures find_map_features(const NearMap& near, FeatureStore* store, const RefineImagesOptions& stages);
 
 /// The folder for the features of a voxel map file.
 std::string features_folder(const std::string& map_path);

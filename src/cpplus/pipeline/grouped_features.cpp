@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "cpplus/core/memory.h"
-#include "cpplus/core/progress.h"
 #include "cpplus/pipeline/image_groups.h"
 #include "cpplus/pipeline/map_near_images.h"
 
@@ -20,12 +19,6 @@ void for_each_array(MapFeatures* features, const Visit& visit) {
   visit(&features->edges);
   visit(&features->leaf_spacing);
   visit(&features->equal_intensities);
-}
-
-MapFeatures find_features(const NearMap& near, FeatureStore* store, const RefineImagesOptions& options) {
-  if (store != nullptr) return store->find(near.roots, near.points.map);
-  Progress progress("map", kMapSteps);
-  return extract_map_features(near.points, options, &progress);
 }
 
 }  // namespace
@@ -46,7 +39,7 @@ GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, F
   if (groups_.size() > 1) file_ = std::make_unique<ScratchFile>(target);
   for (const std::unique_ptr<Group>& group : groups_) {
     const NearMap near = map_near(*group);
-    group->features = find_features(near, store, options);
+    group->features = find_map_features(near, store, options);
     if (with_intensities) {
       const std::span<const float> intensities = near.points.intensities;
       group->features.equal_intensities = equalise_intensities({intensities.begin(), intensities.end()});

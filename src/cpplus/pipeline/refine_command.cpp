@@ -20,7 +20,6 @@
 #include "cpplus/io/map_io.h"
 #include "cpplus/io/stamps_io.h"
 #include "cpplus/io/trajectory_io.h"
-#include "cpplus/io/voxel_map_file.h"
 #include "cpplus/pipeline/grouped_features.h"
 #include "cpplus/pipeline/image_folder.h"
 #include "cpplus/pipeline/image_sequences.h"
@@ -69,8 +68,8 @@ GroupedFeatures find_features(const RefineCommandOptions& options, const SparseM
   report->path = options.map;
   report->num_points = points.map.num_points();
   report->num_dropped_points = points.num_dropped_non_finite;
-  std::optional<FeatureStore> store;
-  if (options.keep_features && is_voxel_map_file(path)) store.emplace(path, points, options.stages, options.tiles);
+  std::optional<FeatureStore> store =
+      open_feature_store(path, points, options.keep_features, options.stages, options.tiles);
   GroupedFeatures features(path, std::move(points), store ? &*store : nullptr, model, options.stages,
                            options.method == "nid", static_cast<size_t>(options.max_group_points), options.out);
   if (store) {
