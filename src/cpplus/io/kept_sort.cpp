@@ -29,7 +29,7 @@ constexpr const char* kPoints = "points";
 constexpr const char* kPlan = "plan";
 
 template <typename Archive, typename Sorted>
-void transfer(Archive& archive, Sorted& sorted) {
+void transfer_sorted(Archive& archive, Sorted& sorted) {
   auto& outline = sorted.outline;
   archive.number(outline.options.root_size_m);
   archive.number(outline.options.leaf_size_m);
@@ -46,7 +46,7 @@ void transfer(Archive& archive, Sorted& sorted) {
   archive.matrix(sorted.bucket_sizes);
 }
 
-uint32_t checksum_of(const void* data, size_t size) {
+uint32_t plan_checksum(const void* data, size_t size) {
   return static_cast<uint32_t>(crc32_z(0, static_cast<const Bytef*>(data), size));
 }
 
@@ -60,8 +60,8 @@ std::string plan_bytes(const std::string& key, const SortedPoints& sorted) {
   if (sorted.outline.las_frame) las_frame = las_frame_bytes(*sorted.outline.las_frame);
   packer.size(las_frame);
   packer.matrix(las_frame);
-  transfer(packer, sorted);
-  const uint32_t checksum = checksum_of(bytes.data(), bytes.size());
+  transfer_sorted(packer, sorted);
+  const uint32_t checksum = plan_checksum(bytes.data(), bytes.size());
   return std::string(reinterpret_cast<const char*>(&checksum), sizeof(checksum)) + bytes;
 }
 
@@ -73,7 +73,7 @@ std::optional<SortedPoints> read_plan(const std::string& path, const std::string
   if (bytes.size() < sizeof(checksum)) return std::nullopt;
   std::memcpy(&checksum, bytes.data(), sizeof(checksum));
   bytes = bytes.subspan(sizeof(checksum));
-  if (checksum_of(bytes.data(), bytes.size()) != checksum) return std::nullopt;
+  if (plan_checksum(bytes.data(), bytes.size()) != checksum) return std::nullopt;
   ByteUnpacker unpacker(bytes);
   std::string key;
   std::vector<uint8_t> las_frame;
@@ -82,7 +82,7 @@ std::optional<SortedPoints> read_plan(const std::string& path, const std::string
   unpacker.matrix(key);
   unpacker.size(las_frame);
   unpacker.matrix(las_frame);
-  transfer(unpacker, sorted);
+  transfer_sorted(unpacker, sorted);
   if (!unpacker.is_at_end() || key != expected_key) return std::nullopt;
   if (!las_frame.empty()) sorted.outline.las_frame = parse_las_frame(las_frame);
   return sorted;

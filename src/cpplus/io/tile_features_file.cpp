@@ -18,10 +18,10 @@
 namespace cpplus {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'C', 'P', '+', 'T', 'I', 'L', 'E', 'S'};
+constexpr std::array<char, 8> kTileMagic = {'C', 'P', '+', 'T', 'I', 'L', 'E', 'S'};
 
 struct Header {
-  std::array<char, 8> magic = kMagic;
+  std::array<char, 8> magic = kTileMagic;
   uint32_t byte_order = 0x01020304;
   uint32_t version = kTileFeaturesVersion;
   uint64_t file_size = 0;  // bytes
@@ -30,7 +30,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 32 && std::is_trivially_copyable_v<Header>);
 
-uint32_t checksum_of(const uint8_t* data, size_t size) { return static_cast<uint32_t>(crc32_z(0, data, size)); }
+uint32_t content_checksum(const uint8_t* data, size_t size) { return static_cast<uint32_t>(crc32_z(0, data, size)); }
 
 template <typename Archive, typename Planes>
 void transfer_planes(Archive& archive, Planes& planes) {
@@ -72,7 +72,7 @@ void transfer_edges(Archive& archive, Edges& edges) {
 }
 
 template <typename Archive, typename Features>
-void transfer(Archive& archive, Features& features) {
+void transfer_features(Archive& archive, Features& features) {
   archive.number(features.noise_m);
   archive.number(features.num_points);
   transfer_planes(archive, features.planes);
@@ -88,10 +88,10 @@ void transfer(Archive& archive, Features& features) {
 void write_tile_features(const std::string& path, const std::string& key, const TileFeatures& features) {
   std::string content = key;
   BytePacker packer(&content);
-  transfer(packer, features);
+  transfer_features(packer, features);
   Header header;
   header.file_size = sizeof(header) + content.size();
-  header.checksum = checksum_of(reinterpret_cast<const uint8_t*>(content.data()), content.size());
+  header.checksum = content_checksum(reinterpret_cast<const uint8_t*>(content.data()), content.size());
   header.key_size = static_cast<uint32_t>(key.size());
   AtomicFile file(path);
   file.stream().write(reinterpret_cast<const char*>(&header), sizeof(header));
@@ -106,19 +106,19 @@ std::optional<TileFeatures> read_tile_features(const std::string& path, const st
   Header header;
   if (bytes.size() < sizeof(header)) throw Error(fmt::format("{}: truncated: {} bytes", path, bytes.size()));
   std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.magic != kMagic) throw Error(fmt::format("{}: not a file of planes and edges", path));
+  if (header.magic != kTileMagic) throw Error(fmt::format("{}: not a file of planes and edges", path));
   if (header.byte_order != Header().byte_order || header.version != kTileFeaturesVersion) return std::nullopt;
   if (header.file_size != bytes.size()) {
     throw Error(fmt::format("{}: {} bytes instead of {}", path, bytes.size(), header.file_size));
   }
   const std::span<const uint8_t> content = bytes.subspan(sizeof(header));
-  if (header.key_size > content.size() || checksum_of(content.data(), content.size()) != header.checksum) {
+  if (header.key_size > content.size() || content_checksum(content.data(), content.size()) != header.checksum) {
     throw Error(fmt::format("{}: damaged: wrong checksum", path));
   }
   if (std::string(content.begin(), content.begin() + header.key_size) != key) return std::nullopt;
   TileFeatures features;
   ByteUnpacker unpacker(content.subspan(header.key_size));
-  transfer(unpacker, features);
+  transfer_features(unpacker, features);
   if (!unpacker.is_at_end()) throw Error(fmt::format("{}: damaged: its arrays do not end with the file", path));
   return features;
 }

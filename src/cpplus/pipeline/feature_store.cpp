@@ -25,7 +25,7 @@ constexpr const char* kEnding = ".tile";
 constexpr size_t kTilesAtATime = 4;
 
 template <typename Options>
-std::string text_of(const std::string& name, Options options) {
+std::string options_text(const std::string& name, Options options) {
   std::string text;
   for (const OptionField& field : list_options(options, name)) {
     text += fmt::format(" {}={}", field.path, option_text(field));
@@ -79,8 +79,8 @@ FeatureStore::FeatureStore(const std::string& map_path, PointMap points, const R
       points_(std::move(points)),
       stages_(stages),
       options_(options),
-      key_(fmt::format("map={}{}{}{}", voxel_map_fingerprint(map_path), text_of("tiles", options),
-                       text_of("planes", stages.planes), text_of("map_edges", stages.map_edges))),
+      key_(fmt::format("map={}{}{}{}", voxel_map_fingerprint(map_path), options_text("tiles", options),
+                       options_text("planes", stages.planes), options_text("map_edges", stages.map_edges))),
       tiles_(divide_map(points_.map, static_cast<size_t>(options.max_points))) {
   remove_leftovers(folder_);
 }

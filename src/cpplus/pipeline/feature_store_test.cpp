@@ -73,7 +73,7 @@ class FeatureStoreTest : public testing::Test {
   FeatureStoreOptions options_;
 };
 
-void expect_same(const MapFeatures& features, const MapFeatures& expected) {
+void expect_same_found(const MapFeatures& features, const MapFeatures& expected) {
   EXPECT_EQ(features.surface.leaves, expected.surface.leaves);
   EXPECT_EQ(features.surface.plane_of, expected.surface.plane_of);
   EXPECT_EQ(features.surface.centers, expected.surface.centers);
@@ -94,7 +94,7 @@ TEST_F(FeatureStoreTest, FindsThemOnce) {
   EXPECT_EQ(tile_files().size(), 2u);
   const auto [second, num_found_again] = find();
   EXPECT_EQ(num_found_again, 0u);
-  expect_same(second, first);
+  expect_same_found(second, first);
 }
 
 TEST_F(FeatureStoreTest, FindAllLeavesNothingToFind) {
@@ -158,7 +158,7 @@ TEST_F(FeatureStoreTest, DamagedOnesAreMadeAnew) {
     const auto [again, num_found_again] = find();
     EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("warning: " + file + ": "));
     EXPECT_EQ(num_found_again, 1u);
-    expect_same(again, first);
+    expect_same_found(again, first);
   }
   std::fstream(file, std::ios::in | std::ios::out).seekp(500).put('x');
   testing::internal::CaptureStderr();
