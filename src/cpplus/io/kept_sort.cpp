@@ -101,11 +101,16 @@ KeptSort::KeptSort(const std::string& target, const std::string& key) : target_(
   folder_ = (path_of_target.parent_path() / fmt::format(".{}.sorted", path_of_target.filename().string())).string();
   lock();
   if (lock_ < 0) return;
-  sorted_ = read_plan(path(kPlan), key_);
+  try {
+    sorted_ = read_plan(path(kPlan), key_);
+  } catch (const Error&) {
+    // Cannot be read: sorted anew.
+  }
   if (sorted_ && !holds_all(path(kPoints), *sorted_)) sorted_.reset();
   is_finished_ = sorted_.has_value();
   if (sorted_) return;
-  for (const char* name : {kPlan, kPoints}) fs::remove(path(name));
+  std::error_code ignored;
+  for (const char* name : {kPlan, kPoints}) fs::remove_all(path(name), ignored);
 }
 
 KeptSort::~KeptSort() {

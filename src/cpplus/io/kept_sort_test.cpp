@@ -93,6 +93,13 @@ TEST_F(KeptSortTest, DamagedOnesAreThrownAway) {
   EXPECT_FALSE(is_sorted("a key"));
 }
 
+TEST_F(KeptSortTest, AFolderInThePlansPlaceIsThrownAway) {
+  write(".map.vox.sorted/plan/some", "");
+  EXPECT_FALSE(is_sorted("a key"));
+  sort_and_keep();
+  EXPECT_TRUE(is_sorted("a key"));
+}
+
 TEST_F(KeptSortTest, OneAtATime) {
   sort_and_keep();
   {
