@@ -14,6 +14,7 @@ void add_index_command(CommandLine* command_line) {
       "index", "Sorts maps that may be larger than memory into a file that other commands take for --map",
       [maps](const IndexCommandOptions& options) {
         const IndexSummary summary = index_command(*maps, options);
+        if (summary.was_sorted) log_info("went on from the points that a run before had sorted");
         log_info(fmt::format("{}: {} points ({} dropped as not finite) in {} roots, sorted in {} parts", options.out,
                              summary.num_points, summary.num_dropped_non_finite, summary.num_roots,
                              summary.num_buckets));

@@ -43,7 +43,7 @@ TEST_F(FarMap, RefineFindsTheSamePoses) {
   const auto refine = [&](const std::string& map, const std::string& name) {
     const std::string out = directory_ + "/" + name;
     run_well({"refine", "--map", map, "--images", world_path("images"), "--poses", world_path("coarse_small"),
-              "--stamps", world_path("stamps.txt"), "--out", out});
+              "--stamps", world_path("stamps.txt"), "--no-keep-features", "--out", out});
     auto report = nlohmann::json::parse(read_file(out + "/report.json"));
     for (auto& image : report["images"]) image.erase("milliseconds");
     return std::pair(read_file(out + "/sparse/images.txt"), report);

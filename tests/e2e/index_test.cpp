@@ -87,15 +87,74 @@ TEST(Index, InfoVerifiesAndDescribes) {
   }
 }
 
+/// Many times the world's map, in little memory, to `out`: sorting it takes a while, and so does building.
+Arguments index_many_to(const std::string& out, size_t times, const Arguments& more = {}) {
+  Arguments arguments = {"index", "--memory-mb", "64", "--out", out};
+  arguments.insert(arguments.end(), times, world_path("map.pcd"));
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+/// Runs it and kills it once it has sorted all points.
+void kill_when_sorted(const Arguments& arguments, const std::string& out) {
+  const fs::path path(out);
+  const fs::path plan = path.parent_path() / ("." + path.filename().string() + ".sorted") / "plan";
+  const ProcessResult result = run_cpplus_and_kill(arguments, [&] {
+    const Stopwatch watch;
+    while (!fs::exists(plan) && watch.milliseconds() < 6e4) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  ASSERT_EQ(result.exit_code, 128 + 9) << result.err;
+  ASSERT_FALSE(fs::exists(out));
+}
+
+size_t num_files_in(const std::string& directory) {
+  return static_cast<size_t>(std::distance(fs::directory_iterator(directory), {}));
+}
+
+constexpr const char* kWentOn = "went on from the points that a run before had sorted";
+
+TEST(Index, KilledAfterSortingTheNextRunGoesOnFromThere) {
+  const std::string directory = make_test_directory();
+  const std::string whole = directory + "/whole/map.vox";
+  const std::string killed = directory + "/killed/map.vox";
+  EXPECT_THAT(run_well(index_many_to(whole, 20)).out, Not(HasSubstr(kWentOn)));
+  kill_when_sorted(index_many_to(killed, 20), killed);
+  kill_when_sorted(index_many_to(killed, 20), killed);
+  EXPECT_THAT(run_well(index_many_to(killed, 20)).out, HasSubstr(kWentOn));
+  EXPECT_TRUE(read_file(killed) == read_file(whole));
+  EXPECT_EQ(num_files_in(directory + "/killed"), 1u) << "temporaries are left";
+}
+
+TEST(Index, SortedPointsOfOtherInputsOrOptionsAreThrownAway) {
+  const std::string directory = make_test_directory();
+  const std::string out = directory + "/out/map.vox";
+  const std::string input = directory + "/more.pcd";
+  fs::copy_file(world_path("map.pcd"), input);
+  const auto index_to = [&](const std::string& file, const Arguments& more) {
+    Arguments all = more;
+    all.push_back(input);
+    return index_many_to(file, 20, all);
+  };
+  const auto expect_anew = [&](const Arguments& more, const std::string& what) {
+    EXPECT_THAT(run_well(index_to(out, more)).out, Not(HasSubstr(kWentOn))) << what;
+    run_well(index_to(directory + "/expected/map.vox", more));
+    EXPECT_TRUE(read_file(out) == read_file(directory + "/expected/map.vox")) << what;
+    EXPECT_EQ(num_files_in(directory + "/out"), 1u) << what;
+    fs::remove(out);
+  };
+  kill_when_sorted(index_to(out, {}), out);
+  expect_anew({"--voxel-map.leaf-size-m", "0.125"}, "other voxels");
+  kill_when_sorted(index_to(out, {}), out);
+  fs::last_write_time(input, fs::last_write_time(input) + std::chrono::seconds(3));
+  expect_anew({}, "an input was written again");
+  kill_when_sorted(index_to(out, {}), out);
+  fs::resize_file(directory + "/out/.map.vox.sorted/points", 1000);
+  expect_anew({}, "the sorted points are cut off");
+}
+
 TEST(Index, KilledAtRandomMomentsItLeavesNothingThatIsTakenForWhole) {
   const std::string directory = make_test_directory();
-  Arguments arguments = {"index", "--memory-mb", "64"};
-  arguments.insert(arguments.end(), 20, world_path("map.pcd"));
-  const auto index_to = [&](const std::string& out) {
-    Arguments all = arguments;
-    all.insert(all.end(), {"--out", out});
-    return all;
-  };
+  const auto index_to = [](const std::string& out) { return index_many_to(out, 20); };
   const std::string whole = directory + "/whole/map.vox";
   const Stopwatch watch;
   run_well(index_to(whole));
@@ -119,7 +178,7 @@ TEST(Index, KilledAtRandomMomentsItLeavesNothingThatIsTakenForWhole) {
   EXPECT_GE(num_kills, 2);
   run_well(index_to(killed));
   EXPECT_TRUE(read_file(killed) == expected);
-  EXPECT_EQ(std::distance(fs::directory_iterator(directory + "/killed"), {}), 1) << "temporaries are left";
+  EXPECT_EQ(num_files_in(directory + "/killed"), 1u) << "temporaries are left";
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "cpplus/cloud/moments.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/features/leaf_neighbors.h"
-#include "cpplus/cloud/moments.h"
 #include "cpplus/features/settle_points.h"
 
 namespace cpplus {
@@ -24,6 +24,59 @@ struct LeafSurface {
   bool planar = false;
 };
 
+constexpr double kMinSigma = 0.004;  // keeps noise-free maps from rejecting their own rounding
+
+bool is_planar(const Moments& moments, const PlaneSegmentationOptions& options, Eigen::Vector3d* normal,
+               double* thickness) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(moments.covariance());
+  *normal = eigen.eigenvectors().col(0);
+  *thickness = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
+  return *thickness < options.max_thickness_m &&
+         eigen.eigenvalues()(0) < options.max_eigenvalue_ratio * eigen.eigenvalues()(1);
+}
+
+// The planar voxels in a node, by layer, none of them in another.
+void collect_seeds(const VoxelMap& map, const PlaneSegmentationOptions& options, int layer, uint32_t node,
+                   std::vector<std::vector<Seed>>* seeds) {
+  const VoxelStatistics statistics = map.statistics(layer, node);
+  if (statistics.count < static_cast<size_t>(options.min_seed_points)) return;
+  Moments moments(statistics.mean);
+  moments.add(statistics);
+  Eigen::Vector3d normal;
+  double thickness = 0.0;
+  if (is_planar(moments, options, &normal, &thickness)) {
+    (*seeds)[static_cast<size_t>(layer)].push_back({layer, node});
+    return;
+  }
+  if (layer == map.leaf_layer()) return;
+  for (uint32_t child = map.children_begin(layer, node); child < map.children_end(layer, node); ++child) {
+    collect_seeds(map, options, layer + 1, child, seeds);
+  }
+}
+
+// The range noise of the map: most planar voxels hold one surface, relief and double walls only add thickness, so a
+// low quantile is the noise itself. It bounds how far a plane may reach for points; a bound that followed the
+// plane's own spread would let skirting boards, frames and recesses join the wall one after the other.
+double noise_of(const VoxelMap& map, const PlaneSegmentationOptions& options,
+                const std::vector<std::vector<Seed>>& seeds) {
+  std::vector<double> thickness;
+  for (const std::vector<Seed>& layer : seeds) {
+    for (const Seed& seed : layer) {
+      const VoxelStatistics statistics = map.statistics(seed.layer, seed.node);
+      if (statistics.count < 30) continue;
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(statistics.covariance, Eigen::EigenvaluesOnly);
+      thickness.push_back(std::sqrt(std::max(0.0, eigen.eigenvalues()(0))));
+    }
+  }
+  double noise = 0.5 * options.max_thickness_m;
+  if (!thickness.empty()) {
+    const auto middle = thickness.begin() + static_cast<std::ptrdiff_t>(thickness.size() * 2 / 5);
+    std::nth_element(thickness.begin(), middle, thickness.end());
+    noise = *middle;
+  }
+  return std::clamp(noise, kMinSigma, options.max_thickness_m);
+}
+
 class PlaneGrower {
  public:
   PlaneGrower(const VoxelMap& map, const PlaneSegmentationOptions& options)
@@ -36,11 +89,12 @@ class PlaneGrower {
     collect_surfaces();
   }
 
-  PlaneSegmentation run() {
+  PlaneSegmentation run(std::optional<double> noise_m) {
     // Coarse to fine: large planar voxels have the best-known normals, so they claim their surroundings first.
     std::vector<std::vector<Seed>> seeds(static_cast<size_t>(map_.num_layers()));
-    for (uint32_t root = 0; root < map_.num_nodes(0); ++root) collect_seeds(0, root, &seeds);
-    estimate_noise(seeds);
+    for (uint32_t root = 0; root < map_.num_nodes(0); ++root) collect_seeds(map_, options_, 0, root, &seeds);
+    noise_ = noise_m.value_or(noise_of(map_, options_, seeds));
+    result_.noise_m = noise_;
     for (const std::vector<Seed>& layer : seeds) {
       for (const Seed& seed : layer) grow(seed);
     }
@@ -68,55 +122,6 @@ class PlaneGrower {
     });
   }
 
-  bool is_planar(const Moments& moments, Eigen::Vector3d* normal, double* thickness) const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(moments.covariance());
-    *normal = eigen.eigenvectors().col(0);
-    *thickness = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
-    return *thickness < options_.max_thickness_m &&
-           eigen.eigenvalues()(0) < options_.max_eigenvalue_ratio * eigen.eigenvalues()(1);
-  }
-
-  void collect_seeds(int layer, uint32_t node, std::vector<std::vector<Seed>>* seeds) const {
-    const VoxelStatistics statistics = map_.statistics(layer, node);
-    if (statistics.count < static_cast<size_t>(options_.min_seed_points)) return;
-    Moments moments(statistics.mean);
-    moments.add(statistics);
-    Eigen::Vector3d normal;
-    double thickness = 0.0;
-    if (is_planar(moments, &normal, &thickness)) {
-      (*seeds)[static_cast<size_t>(layer)].push_back({layer, node});
-      return;
-    }
-    if (layer == map_.leaf_layer()) return;
-    for (uint32_t child = map_.children_begin(layer, node); child < map_.children_end(layer, node); ++child) {
-      collect_seeds(layer + 1, child, seeds);
-    }
-  }
-
-  // The range noise of the map: most planar voxels hold one surface, relief and double walls only add thickness, so a
-  // low quantile is the noise itself. It bounds how far a plane may reach for points; a bound that followed the
-  // plane's own spread would let skirting boards, frames and recesses join the wall one after the other.
-  void estimate_noise(const std::vector<std::vector<Seed>>& seeds) {
-    std::vector<double> thickness;
-    for (const std::vector<Seed>& layer : seeds) {
-      for (const Seed& seed : layer) {
-        const VoxelStatistics statistics = map_.statistics(seed.layer, seed.node);
-        if (statistics.count < 30) continue;
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(statistics.covariance, Eigen::EigenvaluesOnly);
-        thickness.push_back(std::sqrt(std::max(0.0, eigen.eigenvalues()(0))));
-      }
-    }
-    if (thickness.empty()) {
-      noise_ = 0.5 * options_.max_thickness_m;
-    } else {
-      const auto middle = thickness.begin() + static_cast<std::ptrdiff_t>(thickness.size() * 2 / 5);
-      std::nth_element(thickness.begin(), middle, thickness.end());
-      noise_ = *middle;
-    }
-    noise_ = std::clamp(noise_, kMinSigma, options_.max_thickness_m);
-    result_.noise_m = noise_;
-  }
-
   bool is_free(uint32_t point) const { return result_.plane_of_point[point] == PlaneSegmentation::kNone; }
 
   void grow(const Seed& seed) {
@@ -127,7 +132,7 @@ class PlaneGrower {
     }
     if (moments.count() < static_cast<size_t>(options_.min_seed_points)) return;
     MapPlane plane;
-    if (!is_planar(moments, &plane.normal, &plane.sigma_m)) return;
+    if (!is_planar(moments, options_, &plane.normal, &plane.sigma_m)) return;
     plane.centroid = moments.mean();
 
     const int32_t id = static_cast<int32_t>(result_.planes.size());
@@ -204,8 +209,6 @@ class PlaneGrower {
     result_.leaves.push_back(std::move(leaves));
   }
 
-  static constexpr double kMinSigma = 0.004;  // keeps noise-free maps from rejecting their own rounding
-
   const VoxelMap& map_;
   const PlaneSegmentationOptions& options_;
   LeafNeighbors neighbors_;
@@ -229,10 +232,18 @@ void PlaneSegmentationOptions::validate() const {
   check_option(max_angle_deg > 0 && max_angle_deg < 90, "max_angle_deg", "(0, 90)", max_angle_deg);
 }
 
-PlaneSegmentation segment_planes(const VoxelMap& map, const PlaneSegmentationOptions& options) {
+PlaneSegmentation segment_planes(const VoxelMap& map, const PlaneSegmentationOptions& options,
+                                 std::optional<double> noise_m) {
   options.validate();
   if (map.num_points() == 0) return {};
-  return PlaneGrower(map, options).run();
+  return PlaneGrower(map, options).run(noise_m);
+}
+
+double range_noise_m(const VoxelMap& map, std::span<const uint32_t> roots, const PlaneSegmentationOptions& options) {
+  options.validate();
+  std::vector<std::vector<Seed>> seeds(static_cast<size_t>(map.num_layers()));
+  for (const uint32_t root : roots) collect_seeds(map, options, 0, root, &seeds);
+  return noise_of(map, options, seeds);
 }
 
 }  // namespace cpplus

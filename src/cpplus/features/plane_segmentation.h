@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
+
 #include "cpplus/cloud/map_plane.h"
 #include "cpplus/cloud/voxel_map.h"
 #include "cpplus/core/options.h"
@@ -36,7 +40,12 @@ struct PlaneSegmentationOptions {
 /// Finds the plane instances of the map: planar voxels by their eigenvalue ratio, coarse to fine (Cui & Schwertfeger
 /// 2022, section IV-D, after Liu & Zhang 2021), each grown over neighbouring leaves point by point. A point belongs to
 /// one plane at most, so both faces of a thin wall become planes of their own although they share voxels.
-/// Linear in the number of points. The result does not depend on the number of threads.
-PlaneSegmentation segment_planes(const VoxelMap& map, const PlaneSegmentationOptions& options);
+/// Linear in the number of points. The result does not depend on the number of threads. `noise_m`: the range noise of
+/// the map, where it is known from more than this map; otherwise that of all its roots.
+PlaneSegmentation segment_planes(const VoxelMap& map, const PlaneSegmentationOptions& options,
+                                 std::optional<double> noise_m = std::nullopt);
+
+/// The range noise of a map, standard deviation in metres, from the planar voxels in some of its roots.
+double range_noise_m(const VoxelMap& map, std::span<const uint32_t> roots, const PlaneSegmentationOptions& options);
 
 }  // namespace cpplus

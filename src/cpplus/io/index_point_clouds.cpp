@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -14,6 +17,7 @@
 #include "cpplus/core/memory.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/io/cloud_source.h"
+#include "cpplus/io/kept_sort.h"
 #include "cpplus/io/point_buckets.h"
 #include "cpplus/io/voxel_map_writer.h"
 
@@ -181,25 +185,67 @@ void build(const PointBuckets& buckets, size_t num_buckets, const VoxelMapOutlin
   writer.commit();
 }
 
+/// Tells the boot of the system: after a crash files may not hold what was written to them.
+std::string boot_id() {
+  std::ifstream file("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(file, id);
+  return id;
+}
+
+/// What the sorted points depend on.
+std::string key_of(const std::vector<std::string>& paths, const VoxelMapOptions& options, size_t memory_bytes) {
+  namespace fs = std::filesystem;
+  std::string key = fmt::format("{} {} {} {} {}", kVoxelMapVersion, boot_id(), options.root_size_m, options.leaf_size_m,
+                                memory_bytes);
+  for (const std::string& path : paths) {
+    std::error_code failure;
+    const auto size = fs::file_size(path, failure);
+    const auto time = fs::last_write_time(path, failure).time_since_epoch().count();
+    key += fmt::format("\n{} {} {}", fs::absolute(path).lexically_normal().string(), size, time);
+  }
+  return key;
+}
+
+/// Reads all points and sorts them into the file.
+PointBuckets sort_points(const Inputs& inputs, const VoxelMapOptions& options, size_t memory_bytes,
+                         std::unique_ptr<ScratchFile> file, SortedPoints* sorted) {
+  Survey found = survey(inputs, options);
+  const size_t capacity = memory_bytes / (2 * point_bytes(found.outline.attributes) + kBuildBytes);
+  const BucketPlan plan = plan_buckets(found.roots, capacity);
+  *sorted = {found.outline, found.roots.keys.size(), plan.sizes};
+  PointBuckets buckets(std::move(file), plan.sizes, found.outline.attributes, memory_bytes / kBufferShare);
+  scatter(inputs, options, plan, &found.roots, &buckets);
+  return buckets;
+}
+
+PointBuckets sorted_before(const SortedPoints& sorted, std::unique_ptr<ScratchFile> file) {
+  return {std::move(file), sorted.bucket_sizes, sorted.outline.attributes, 0};
+}
+
 }  // namespace
 
 IndexSummary index_point_clouds(const std::vector<std::string>& paths, const VoxelMapOptions& options,
                                 size_t memory_bytes, const std::string& out) {
   options.validate();
+  const std::string key = key_of(paths, options, memory_bytes);  // before anything is read
   const Inputs inputs(paths);
   { const AtomicFile probe(out); }
-  Survey found = survey(inputs, options);
-  const VoxelMapOutline& outline = found.outline;
-  const size_t capacity = memory_bytes / (2 * point_bytes(outline.attributes) + kBuildBytes);
-  const BucketPlan plan = plan_buckets(found.roots, capacity);
-  const IndexSummary summary = {outline.num_points, outline.num_dropped_non_finite, found.roots.keys.size(),
-                                plan.sizes.size()};
-  PointBuckets buckets(out, plan.sizes, outline.attributes, memory_bytes / kBufferShare);
-  scatter(inputs, options, plan, &found.roots, &buckets);
-  found.roots = {};
+  KeptSort kept(out, key);
+  const bool was_sorted = kept.sorted().has_value();
+  SortedPoints sorted = kept.sorted().value_or(SortedPoints());
+  const PointBuckets buckets = was_sorted ? sorted_before(sorted, kept.file())
+                                          : sort_points(inputs, options, memory_bytes, kept.file(), &sorted);
+  if (!was_sorted) kept.finish(sorted);
   return_freed_memory();
-  build(buckets, plan.sizes.size(), outline, out);
-  return summary;
+  try {
+    build(buckets, sorted.bucket_sizes.size(), sorted.outline, out);
+  } catch (const Interrupted&) {
+    kept.keep();
+    throw;
+  }
+  return {sorted.outline.num_points, sorted.outline.num_dropped_non_finite, sorted.num_roots,
+          sorted.bucket_sizes.size(), was_sorted};
 }
 
 }  // namespace cpplus

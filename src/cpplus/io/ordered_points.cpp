@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "cpplus/core/error.h"
@@ -29,7 +30,7 @@ OrderedPoints::OrderedPoints(const std::string& map, const std::string& target, 
       num_points_(num_points),
       num_blocks_(block_sizes(num_points).size()),
       attributes_(attributes),
-      buckets_(target, block_sizes(num_points), attributes, kBufferBytes) {}
+      buckets_(std::make_unique<ScratchFile>(target), block_sizes(num_points), attributes, kBufferBytes) {}
 
 void OrderedPoints::add(const PointCloud& points, std::span<const uint32_t> indices) {
   for (size_t i = 0; i < indices.size(); ++i) {

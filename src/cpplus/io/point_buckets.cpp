@@ -27,9 +27,9 @@ size_t point_bytes(const PointAttributes& attributes) {
   return bytes;
 }
 
-PointBuckets::PointBuckets(const std::string& target, std::vector<uint64_t> sizes, const PointAttributes& attributes,
-                           size_t buffer_bytes)
-    : attributes_(attributes), file_(target), buckets_(sizes.size()) {
+PointBuckets::PointBuckets(std::unique_ptr<ScratchFile> file, std::vector<uint64_t> sizes,
+                           const PointAttributes& attributes, size_t buffer_bytes)
+    : attributes_(attributes), file_(std::move(file)), buckets_(sizes.size()) {
   constexpr size_t kFewest = 16, kMost = 1 << 14;
   const size_t bytes = point_bytes(attributes);
   buffer_points_ = std::clamp(buffer_bytes / (bytes * std::max<size_t>(1, sizes.size())), kFewest, kMost);
@@ -57,7 +57,7 @@ void PointBuckets::flush(Bucket* bucket) {
   const uint64_t count = bucket->buffer.indices.size();
   uint64_t begin = bucket->begin;
   for_each_array(attributes_, bucket->buffer, [&](auto& array) {
-    file_.write(begin + bucket->written * element_size(array), array.data(), array.size() * element_size(array));
+    file_->write(begin + bucket->written * element_size(array), array.data(), array.size() * element_size(array));
     begin += bucket->size * element_size(array);
     array.clear();
   });
@@ -79,7 +79,7 @@ PointBucket PointBuckets::read(size_t bucket) const {
   uint64_t begin = from.begin;
   for_each_array(attributes_, points, [&](auto& array) {
     array.resize(from.size);
-    file_.read(begin, array.data(), array.size() * element_size(array));
+    file_->read(begin, array.data(), array.size() * element_size(array));
     begin += from.size * element_size(array);
   });
   return points;

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <memory>
 #include <vector>
 
 #include "cpplus/cloud/point_cloud.h"
@@ -20,9 +20,9 @@ struct PointBucket {
 /// Points sorted into buckets of known sizes, on the disk but for some points a bucket.
 class PointBuckets {
  public:
-  /// `sizes`: points of each bucket. All buckets together hold at most about buffer_bytes in memory. `target`: file
-  /// that this is for, see ScratchFile.
-  PointBuckets(const std::string& target, std::vector<uint64_t> sizes, const PointAttributes& attributes,
+  /// `sizes`: points of each bucket. All buckets together hold at most about buffer_bytes in memory, the rest is in
+  /// `file`. Buckets of one that was filled before, with the same sizes and attributes, can be read at once.
+  PointBuckets(std::unique_ptr<ScratchFile> file, std::vector<uint64_t> sizes, const PointAttributes& attributes,
                size_t buffer_bytes);
 
   /// Adds point i of the block. False where the bucket is full already.
@@ -43,7 +43,7 @@ class PointBuckets {
 
   PointAttributes attributes_;
   size_t buffer_points_ = 0;
-  ScratchFile file_;
+  std::unique_ptr<ScratchFile> file_;
   std::vector<Bucket> buckets_;
 };
 

@@ -20,6 +20,12 @@ namespace {
 /// One call moves at most 2 GiB.
 constexpr size_t kMaxStep = size_t{1} << 30;
 
+int open_temporary(const std::string& target, const std::string& path, int flags) {
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | flags, S_IRUSR | S_IWUSR);
+  if (file < 0) throw Error(fmt::format("{}: cannot make a temporary file beside it: {}", target, strerror(errno)));
+  return file;
+}
+
 }  // namespace
 
 ScratchFile::ScratchFile(const std::string& target) : target_(target) {
@@ -28,10 +34,12 @@ ScratchFile::ScratchFile(const std::string& target) : target_(target) {
   if (!folder.empty()) std::filesystem::create_directories(folder, failure);
   // The name is there for a moment only.
   const std::string name = temporary_path(target + ".scratch");
-  file_ = open(name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (file_ < 0) throw Error(fmt::format("{}: cannot make a temporary file beside it: {}", target, strerror(errno)));
+  file_ = open_temporary(target, name, O_TRUNC);
   unlink(name.c_str());
 }
+
+ScratchFile::ScratchFile(const std::string& target, const std::string& path)
+    : target_(target), file_(open_temporary(target, path, 0)) {}
 
 ScratchFile::~ScratchFile() { close(file_); }
 

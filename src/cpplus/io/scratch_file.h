@@ -6,11 +6,13 @@
 
 namespace cpplus {
 
-/// A temporary file without a name, in the folder of the file that it is for: it is gone with the process, however that
-/// ends. Errors name the file that it is for.
+/// A temporary file. Errors name the file that it is for.
 class ScratchFile {
  public:
+  /// One without a name, in the folder of the file that it is for: it is gone with the process, however that ends.
   explicit ScratchFile(const std::string& target);
+  /// One at `path`, which stays. What is there already is kept.
+  ScratchFile(const std::string& target, const std::string& path);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;

@@ -238,6 +238,11 @@ PointMap map_voxel_map_file(const std::string& path) {
   return points;
 }
 
+std::string voxel_map_fingerprint(const std::string& path) {
+  const VoxelMapFile file(path);
+  return fmt::format("{}-{:08x}", file.header().file_size, file.header().checksum);
+}
+
 void verify_voxel_map_file(const std::string& path) {
   const VoxelMapFile file(path);
   for (const VoxelMapSectionEntry& entry : file.table()) {

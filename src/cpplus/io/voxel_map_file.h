@@ -15,6 +15,10 @@ bool is_voxel_map_file(const std::string& path);
 /// kind, version or byte order, one that is truncated, and one whose table is damaged.
 PointMap map_voxel_map_file(const std::string& path);
 
+/// Text that tells a voxel map file from others: its size and the checksum of its header and table, which holds those
+/// of all sections. Throws as map_voxel_map_file().
+std::string voxel_map_fingerprint(const std::string& path);
+
 /// Reads all of the file and throws Error naming the section where its content is not what was written.
 void verify_voxel_map_file(const std::string& path);
 

@@ -23,9 +23,9 @@ void for_each_array(MapFeatures* features, const Visit& visit) {
 
 }  // namespace
 
-GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, const SparseModel& model,
-                                 const RefineImagesOptions& options, bool with_intensities, size_t max_group_points,
-                                 const std::string& target)
+GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, FeatureStore* store,
+                                 const SparseModel& model, const RefineImagesOptions& options, bool with_intensities,
+                                 size_t max_group_points, const std::string& target)
     : map_path_(map_path),
       points_(std::move(points)),
       places_(camera_centers(model)),
@@ -38,13 +38,14 @@ GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, c
   }
   if (groups_.size() > 1) file_ = std::make_unique<ScratchFile>(target);
   for (const std::unique_ptr<Group>& group : groups_) {
-    const PointMap near = points_near(*group);
-    group->features = extract_map_features(near, options);
+    const NearMap near = map_near(*group);
+    group->features = find_map_features(near, store, options);
     if (with_intensities) {
-      group->features.equal_intensities = equalise_intensities({near.intensities.begin(), near.intensities.end()});
+      const std::span<const float> intensities = near.points.intensities;
+      group->features.equal_intensities = equalise_intensities({intensities.begin(), intensities.end()});
     }
     num_edges_ += group->features.edges.size();
-    if (file_) store(group.get());
+    if (file_) put_away(group.get());
   }
   if (!file_) points_ = {};  // the only group holds what is needed of it
 }
@@ -71,14 +72,14 @@ double GroupedFeatures::noise_m() const {
   return groups_.empty() ? 0.0 : sum / static_cast<double>(groups_.size());
 }
 
-PointMap GroupedFeatures::points_near(const Group& group) const {
+NearMap GroupedFeatures::map_near(const Group& group) const {
   std::vector<Eigen::Vector3d> places;
   places.reserve(group.images.size());
   for (const size_t i : group.images) places.push_back(places_[i]);
-  return map_near_places(map_path_, points_, places, reach_m_).points;
+  return map_near_places(map_path_, points_, places, reach_m_);
 }
 
-void GroupedFeatures::store(Group* group) {
+void GroupedFeatures::put_away(Group* group) {
   group->features.planes.plane_of_point = {};  // only what is found from it is used
   group->offset = file_end_;
   for_each_array(&group->features, [&](auto* array) {
@@ -94,7 +95,7 @@ void GroupedFeatures::load(size_t g) {
   if (loaded_) unload(groups_[*loaded_].get());
   loaded_ = g;
   Group& group = *groups_[g];
-  group.features.map = points_near(group).map;
+  group.features.map = map_near(group).points.map;
   uint64_t offset = group.offset;
   auto size = group.array_sizes.begin();
   for_each_array(&group.features, [&](auto* array) {

@@ -9,6 +9,8 @@
 #include "cpplus/cloud/point_map.h"
 #include "cpplus/geometry/sparse_model.h"
 #include "cpplus/io/scratch_file.h"
+#include "cpplus/pipeline/feature_store.h"
+#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/refine_images.h"
 
 namespace cpplus {
@@ -18,11 +20,12 @@ namespace cpplus {
 /// temporary file, and the points of one group at a time in memory.
 class GroupedFeatures {
  public:
-  /// Finds the features of all groups, with equal_intensities if asked for. Groups have at most max_group_points points
+  /// Finds the features of all groups, or takes them from the store where there is one (not null; for the time of this
+  /// call), with equal_intensities if asked for. Groups have at most max_group_points points
   /// around them where they can be divided (image_groups.h). `map_path`: file that errors name;
   /// `target`: file or folder that the temporary is for (io/scratch_file.h). Throws Error where the map's indices are
   /// damaged, or the temporary cannot be written.
-  GroupedFeatures(const std::string& map_path, PointMap points, const SparseModel& model,
+  GroupedFeatures(const std::string& map_path, PointMap points, FeatureStore* store, const SparseModel& model,
                   const RefineImagesOptions& options, bool with_intensities, size_t max_group_points,
                   const std::string& target);
 
@@ -47,10 +50,10 @@ class GroupedFeatures {
     uint64_t offset = 0;  // in the temporary, bytes
   };
 
-  void store(Group* group);
+  void put_away(Group* group);
   void load(size_t g);
   static void unload(Group* group);
-  PointMap points_near(const Group& group) const;
+  NearMap map_near(const Group& group) const;
 
   std::string map_path_;
   PointMap points_;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "cpplus/core/error.h"
@@ -67,8 +68,14 @@ GroupedFeatures find_features(const RefineCommandOptions& options, const SparseM
   report->path = options.map;
   report->num_points = points.map.num_points();
   report->num_dropped_points = points.num_dropped_non_finite;
-  GroupedFeatures features(path, std::move(points), model, options.stages, options.method == "nid",
-                           static_cast<size_t>(options.max_group_points), options.out);
+  std::optional<FeatureStore> store =
+      open_feature_store(path, points, options.keep_features, options.stages, options.tiles);
+  GroupedFeatures features(path, std::move(points), store ? &*store : nullptr, model, options.stages,
+                           options.method == "nid", static_cast<size_t>(options.max_group_points), options.out);
+  if (store) {
+    log_info(fmt::format("{}: planes and edges of {} tiles were found, those of {} were there", features_folder(path),
+                         store->num_found(), store->num_read()));
+  }
   report->num_planes = features.num_planes();
   report->num_edges = features.num_edges();
   report->noise_m = features.noise_m();
@@ -269,6 +276,7 @@ void RefineCommandOptions::validate() const {
     throw UsageError(fmt::format("option method must be cp_plus, lines, nid or none, got '{}'", method));
   }
   check_option(max_group_points >= 1, "max_group_points", "[1, inf)", max_group_points);
+  tiles.validate();
   stages.validate();
 }
 

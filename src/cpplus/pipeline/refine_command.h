@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "cpplus/pipeline/feature_store.h"
 #include "cpplus/pipeline/refine_images.h"
 
 namespace cpplus {
@@ -33,6 +34,9 @@ struct RefineCommandOptions {
   bool only_refined = false;
   /// Folder where the voxel map of a point cloud is kept for later runs (docs/index.md); "" = none.
   std::string cache;
+  /// The planes and edges of a voxel map are kept in the folder MAP.vox.features for later runs (docs/index.md).
+  bool keep_features = true;
+  FeatureStoreOptions tiles;
   /// Images with more points of the map around them than this are worked on in groups that lie near each other, one at
   /// a time; some 60 bytes of memory a point. [1, inf)
   int max_group_points = 16'000'000;
@@ -53,6 +57,8 @@ struct RefineCommandOptions {
     visitor("joint", joint, "Solve all images together after each has been refined on its own.");
     visitor("only_refined", only_refined, "Leave images that were not refined out of the output model.");
     visitor("cache", cache, "Folder where the voxel map of a point cloud is kept for later runs; empty = none.");
+    visitor("keep_features", keep_features, "Keep planes and edges of a voxel map beside it, for later runs.");
+    visitor.group("tiles", tiles);
     visitor("max_group_points", max_group_points,
             "Images with more points around them are worked on in groups, one at a time; some 60 bytes a point.");
     stages.visit(visitor);

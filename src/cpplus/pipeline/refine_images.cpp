@@ -84,18 +84,18 @@ void RefineImagesOptions::validate() const {
   nid.validate();
 }
 
-MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options) {
+MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options, Progress* progress,
+                                 std::optional<double> noise_m) {
   MapFeatures features;
-  Progress progress("map", 4);
   features.map = points.map;
-  features.planes = segment_planes(features.map, options.planes);
-  progress.advance();
+  features.planes = segment_planes(features.map, options.planes, noise_m);
+  progress->advance();
   features.surface = collect_plane_surface(features.map, features.planes, options.visibility);
-  progress.advance();
+  progress->advance();
   features.edges = find_map_edges(features.map, points.intensities, features.planes, options.map_edges);
-  progress.advance();
+  progress->advance();
   features.leaf_spacing = leaf_point_spacing(features.map);
-  progress.advance();
+  progress->advance();
   return features;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cpplus/cloud/point_map.h"
+#include "cpplus/core/progress.h"
 #include "cpplus/features/blur.h"
 #include "cpplus/features/image_edges.h"
 #include "cpplus/features/map_edges.h"
@@ -86,7 +87,10 @@ struct MapFeatures {
   std::vector<float> equal_intensities;  // in the order of the map, equalised; of --method nid alone
 };
 
-MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options);
+/// Finds them; advances the progress by kMapSteps. `noise_m`: the map's range noise where it is known (segment_planes).
+MapFeatures extract_map_features(const PointMap& points, const RefineImagesOptions& options, Progress* progress,
+                                 std::optional<double> noise_m = std::nullopt);
+inline constexpr size_t kMapSteps = 4;
 
 /// How far from the coarse pose of an image a map must reach for the same result as with all of it, metres: as far as
 /// any stage looks, and a margin for a better pose and for planes and edges, which are cut where the map ends.

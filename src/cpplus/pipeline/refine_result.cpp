@@ -33,8 +33,8 @@ std::string input(const Json& report, const std::string& key, const std::string&
 }
 
 // Options that the file has and this version does not are left out.
-void set_options(const Json& values, RefineImagesOptions* options) {
-  for (const OptionField& field : list_options(*options)) {
+void set_options(const Json& values, const std::vector<OptionField>& fields) {
+  for (const OptionField& field : fields) {
     if (!values.contains(field.path)) continue;
     const Json& value = values.at(field.path);
     set_option(field, field.path, value.is_string() ? value.get<std::string>() : value.dump());
@@ -70,7 +70,10 @@ RefineResult read_refine_result(const std::string& folder, const RefineInputs& g
     result.inputs.map = input(report, "map", given.map, path);
     result.inputs.images = input(report, "images", given.images, path);
     result.inputs.poses = input(report, "poses", given.poses, path);
-    set_options(report.at("options"), &result.stages);
+    const Json& options = report.at("options");
+    set_options(options, list_options(result.stages));
+    set_options(options, list_options(result.tiles, "tiles"));
+    result.keep_features = options.value("keep_features", result.keep_features);
     for (const Json& image : report.at("images")) result.image_names.push_back(image.at("name"));
   } catch (const Json::exception& error) {
     throw Error(fmt::format("{}: not a report of `cpplus refine`: {}", path, error.what()));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cpplus/geometry/sparse_model.h"
+#include "cpplus/pipeline/feature_store.h"
 #include "cpplus/pipeline/refine_images.h"
 
 namespace cpplus {
@@ -15,6 +16,8 @@ struct RefineResult {
   std::vector<std::string> image_names;  // in the order of report.json
   RefineInputs inputs;
   RefineImagesOptions stages;
+  bool keep_features = true;  // see RefineCommandOptions
+  FeatureStoreOptions tiles;
   SparseModel coarse;
   SparseModel refined;
 };

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "cpplus/core/error.h"
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/map_io.h"
+#include "cpplus/pipeline/feature_store.h"
 #include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/report_pictures.h"
 #include "cpplus/report/report_page.h"
@@ -54,7 +56,9 @@ void add_pictures(const RefineResult& result, const ReportCommandOptions& option
     const PointMap points = read_map(result.inputs.map, result.stages.voxel_map);
     const NearMap near =
         map_near_places(result.inputs.map, points, camera_centers(result.coarse), map_reach_m(result.stages));
-    const MapFeatures features = extract_map_features(near.points, result.stages);
+    std::optional<FeatureStore> store =
+        open_feature_store(result.inputs.map, points, result.keep_features, result.stages, result.tiles);
+    const MapFeatures features = find_map_features(near, store ? &*store : nullptr, result.stages);
     drawn = draw_pictures(result, features, plan.missing, folder, options.picture_size_px);
     write_floor_plan(features.map, *page, floor_plan);
   }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "cpplus/cloud/map_tiles.h"
 #include "cpplus/geometry/tangent_box.h"
 #include "cpplus/visibility/range_keys.h"
 
@@ -14,16 +15,6 @@ namespace {
 // The patch of a leaf reaches a little beyond it, so that neighbouring patches of sparse surfaces close.
 constexpr double kPatchRadiusLeaves = 0.7;
 constexpr double kMaxPatchRadiusPx = 64.0;
-
-std::pair<uint32_t, uint32_t> leaves_of_root(const VoxelMap& map, uint32_t root) {
-  uint32_t begin = root;
-  uint32_t end = root + 1;
-  for (int layer = 0; layer < map.leaf_layer(); ++layer) {
-    begin = map.children_begin(layer, begin);
-    end = map.children_begin(layer, end);
-  }
-  return {begin, end};
-}
 
 }  // namespace
 
