@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cpplus/core/parallel.h"
+#include "cpplus/core/progress.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/map_io.h"
@@ -48,7 +49,9 @@ struct Scene {
 
 void load(const std::string& folder, const std::string& poses, Scene* scene) {
   scene->model = read_sparse_model(folder + "/" + poses);
-  scene->features = extract_map_features(read_map(folder + "/map.pcd", scene->options.voxel_map), scene->options);
+  Progress progress("map", kMapSteps);
+  scene->features =
+      extract_map_features(read_map(folder + "/map.pcd", scene->options.voxel_map), scene->options, &progress);
   for (const PosedImage& image : scene->model.images) {
     View view;
     view.path = folder + "/images/" + image.name;

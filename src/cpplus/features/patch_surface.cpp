@@ -22,6 +22,10 @@ constexpr double kMaxScatterRatio = 0.005;
 constexpr double kMinRangeSigmaM = 0.01;
 // Of a plane as a whole: the map is distorted by some millimetres.
 constexpr double kMapSigmaM = 0.004;
+// The points under a patch lie on its plane when their mean does not leave it by more than this along the ray: what
+// protrudes from a plane or lies behind it is drawn as the plane, too.
+constexpr double kOnPlaneM = 0.015;
+constexpr double kOnPlaneRatio = 0.003;
 
 double margin_at(double range_m) { return kMarginM + kMarginRatio * range_m; }
 
@@ -114,6 +118,24 @@ std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, const Range
   return surface;
 }
 
+// Whether the points in view lie on the plane; where there are none, the surface drawn around them must.
+bool lies_on(const MapPlane& plane, const PlaneBuffer& planes, const RangeRaster& raster, const Eigen::Vector2d& pixel,
+             double radius_px) {
+  const Eigen::Vector3d center = camera_center(planes.camera_from_map);
+  const Eigen::Matrix3d map_from_camera = planes.camera_from_map.rotation.conjugate().toRotationMatrix();
+  double sum = 0.0;
+  double count = 0.0;
+  for (const RangeSample& s : ranges_around(planes.camera, raster, pixel, radius_px)) {
+    const double range = plane.normal.dot(plane.centroid - center) / plane.normal.dot(map_from_camera * s.bearing);
+    sum += s.num_points * (s.range - range);
+    count += s.num_points;
+  }
+  const double range = planes.range_of(plane, pixel);
+  if (count > 0.0) return std::abs(sum / count) <= kOnPlaneM + kOnPlaneRatio * range;
+  const double nearest = static_cast<double>(raster.range_at(raster.cell_of(pixel.cast<float>())));
+  return nearest <= 0.0 || nearest < range + margin_at(range);
+}
+
 }  // namespace
 
 bool is_seen(const RangeRaster& raster, const Eigen::Vector2d& pixel, double range_m) {
@@ -129,7 +151,10 @@ std::optional<PatchSurface> surface_under(const PlaneBuffer& planes, const Range
     surface.plane_id = id;
     surface.plane = (*planes.planes)[static_cast<size_t>(id)];
     surface.range_sigma_m = kMapSigmaM;
-    if (is_seen(raster, pixel, planes.range_of(surface.plane, pixel))) return surface;
+    if (is_seen(raster, pixel, planes.range_of(surface.plane, pixel)) &&
+        lies_on(surface.plane, planes, raster, pixel, radius_px)) {
+      return surface;
+    }
   }
   return tangent_under(planes, raster, pixel, radius_px);
 }

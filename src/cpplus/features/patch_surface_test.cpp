@@ -98,6 +98,21 @@ TEST(SurfaceUnder, WhatStandsInFrontOfThePlaneIsSeenInstead) {
   EXPECT_NEAR(kSlanted.dot(surface->plane.centroid), -2.5, 1e-4);
 }
 
+TEST(SurfaceUnder, APlaneIsNotWhereItsPointsLieBesideIt) {
+  for (const double behind_m : {-0.05, 0.05, 0.12}) {
+    View view([&](const Eigen::Vector3d& b) { return range_of_plane(kSlanted, 3.0 + behind_m, b); }, 0.01);
+    view.add_plane(kSlanted, 3.0);
+    const auto surface = surface_under(view.buffer, view.raster, kPixel, 10.0);
+    ASSERT_TRUE(surface) << behind_m;
+    EXPECT_EQ(surface->plane_id, PlaneBuffer::kNone) << behind_m;
+    EXPECT_NEAR(kSlanted.dot(surface->plane.centroid), -3.0 - behind_m, 0.01);
+  }
+  View without_points([](const Eigen::Vector3d& b) { return range_of_plane(kSlanted, 3.5, b); });
+  without_points.raster.num_points = Image<uint16_t>(120, 90, 0);
+  without_points.add_plane(kSlanted, 3.0);
+  EXPECT_FALSE(surface_under(without_points.buffer, without_points.raster, kPixel, 10.0)) << "0.5 m behind";
+}
+
 TEST(IsSeen, WhatIsBehindTheSurfaceIsNot) {
   const View view([](const Eigen::Vector3d&) { return 3.0; });
   EXPECT_TRUE(is_seen(view.raster, kPixel, 3.0));
