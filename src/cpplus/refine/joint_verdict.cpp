@@ -31,7 +31,12 @@ class JointJudge {
  public:
   JointJudge(const Camera& camera, const JointCandidate& candidate, const EdgeResidual& before,
              const RefinePoseOptions& options)
-      : camera_(camera), candidate_(candidate), edges_(*candidate.edges), before_(before), options_(options) {}
+      : camera_(camera),
+        candidate_(candidate),
+        edges_(*candidate.edges),
+        before_(before),
+        options_(options),
+        max_shift_px_(std::max(options.max_predicted_shift_px, options.max_predicted_share * shift_from_coarse())) {}
 
   RefinePoseResult run() {
     const ImagePose pose = candidate_.pose.image_pose();
@@ -50,7 +55,7 @@ class JointJudge {
     result.weak_directions = degeneracy.weak_directions;
     result.covariance = candidate_.pose.covariance;
     result.predicted_shift_px = predicted_shift(result.covariance);
-    if (result.weak_directions.empty() && result.predicted_shift_px > options_.max_predicted_shift_px) {
+    if (result.weak_directions.empty() && result.predicted_shift_px > max_shift_px_) {
       result.weak_directions.push_back(least_known_direction(result.covariance, options_.prior.sigmas()));
     }
     result.held_out_before = before_;
@@ -96,11 +101,11 @@ class JointJudge {
 
   // Why the pose is not to be believed; empty if it is.
   const char* objection(const RefinePoseResult& result) const {
-    if (!(result.predicted_shift_px <= options_.max_predicted_shift_px)) return "the pose is too uncertain";
+    if (!(result.predicted_shift_px <= max_shift_px_)) return "the pose is too uncertain";
     static constexpr const char* kByChance = "the map's edges do not lie on image edges more than by chance";
     // Where the others place the image its own edges need only agree; else they must be more than the best of many
     // poses finds by chance.
-    if (predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * options_.max_predicted_shift_px) {
+    if (predicted_shift(candidate_.pose.from_others.covariance) <= kPlacedByOthers * max_shift_px_) {
       const double log_ratio =
           result.held_out_after.log_ratio + kLogRatioOfPatch * std::max(0, candidate_.surface_support);
       return log_ratio < kMinLogRatioOfPlaced ? kByChance : "";
@@ -131,11 +136,27 @@ class JointJudge {
     return count == 0 ? std::numeric_limits<double>::infinity() : sum / count;
   }
 
+  // Mean over that surface of its way in the image from the coarse pose; 0 where neither pose shows any.
+  double shift_from_coarse() const {
+    const Rigid3 camera_from_map = candidate_.pose.image_pose().camera_from_map;
+    double sum = 0.0;
+    int count = 0;
+    for (const Eigen::Vector3d& x : candidate_.surface_in_map) {
+      const auto coarse = camera_.project(candidate_.coarse_camera_from_map * x);
+      const auto pixel = camera_.project(camera_from_map * x);
+      if (!coarse || !pixel) continue;
+      sum += (*pixel - *coarse).norm();
+      ++count;
+    }
+    return count == 0 ? 0.0 : sum / count;
+  }
+
   const Camera& camera_;
   const JointCandidate& candidate_;
   const EdgeEvidence& edges_;
   const EdgeResidual before_;
   const RefinePoseOptions& options_;
+  const double max_shift_px_;  // that may be expected of a pose that is believed
 };
 
 }  // namespace

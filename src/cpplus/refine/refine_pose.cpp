@@ -246,6 +246,8 @@ void RefinePoseOptions::validate() const {
   check_option(folds >= 2, "folds", "[2, inf)", folds);
   check_option(min_log_gain >= 0, "min_log_gain", "[0, inf)", min_log_gain);
   check_option(max_predicted_shift_px > 0, "max_predicted_shift_px", "(0, inf)", max_predicted_shift_px);
+  check_option(max_predicted_share >= 0 && max_predicted_share <= 1, "max_predicted_share", "[0, 1]",
+               max_predicted_share);
   check_option(min_edges >= 1, "min_edges", "[1, inf)", min_edges);
   check_option(min_samples >= 1, "min_samples", "[1, inf)", min_samples);
 }

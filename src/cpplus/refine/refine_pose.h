@@ -43,6 +43,9 @@ struct RefinePoseOptions {
   /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
   /// covariance, to be off by no more than this, pixels. (0, inf)
   double max_predicted_shift_px = 5.0;
+  /// Or by no more than this share of what the pose moved that surface by: it is a better pose than the coarse one all
+  /// the same. [0, 1]
+  double max_predicted_share = 0.25;
 
   void validate() const;
   template <typename Visitor>
@@ -63,6 +66,8 @@ struct RefinePoseOptions {
     visitor("min_log_gain", min_log_gain, "The same to the coarse pose: more than the best of many gains by chance.");
     visitor("max_predicted_shift_px", max_predicted_shift_px,
             "Poses solved together are believed when expected to be off by no more than this, pixels.");
+    visitor("max_predicted_share", max_predicted_share,
+            "Or by no more than this share of its way from the coarse pose. [0, 1]");
   }
 };
 
@@ -86,8 +91,8 @@ struct RefinePoseResult {
   /// the prior knows a direction better than the edges.
   Vector6d information_eigenvalues = Vector6d::Zero();
   std::vector<std::string> weak_directions;
-  /// By how many pixels the surface that the image sees is expected to be off, by the covariance; infinite where nothing
-  /// says so, as of an image on its own.
+  /// By how many pixels the surface that the image sees is expected to be off, by the covariance; infinite where
+  /// nothing says so, as of an image on its own.
   double predicted_shift_px = std::numeric_limits<double>::infinity();
 };
 
