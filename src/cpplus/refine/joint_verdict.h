@@ -21,8 +21,8 @@ struct JointCandidate {
 
 /// Judges a pose of the joint solve: fills residuals (each sample judged by a pose that the other folds of edges and
 /// the other images give), information, weak directions and the predicted shift. The pose is believed when it is
-/// expected to be off by no more than max_predicted_shift_px, or than max_predicted_share of its way from the coarse
-/// pose, and its edges agree: if the other images do not place it
+/// expected to be off by no more than max_predicted_shift_px, or, where its own edges know all directions, than
+/// max_predicted_share of its way from the coarse pose, and its edges agree: if the other images do not place it
 /// already, more than by chance and better than at the coarse pose (`held_out_before`); else edges and patches together
 /// more than by chance.
 RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,

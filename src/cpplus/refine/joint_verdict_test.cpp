@@ -101,12 +101,15 @@ TEST(JointVerdict, AnUncertainPoseIsAcceptedFarFromTheCoarseOne) {
   const View view;
   JointCandidate candidate = candidate_at(view, true_view(), variances(0.5, 0.05), kAsCoarse);
   const double predicted_px = judge(candidate).predicted_shift_px;
-  // A camera with 10 % of a radian more or less sees the surface some tens of pixels away.
+  // A camera that is turned by 0.2 rad sees the surface some tens of pixels away.
   Vector6d turn = Vector6d::Zero();
-  turn(1) = 0.1;
+  turn(1) = 0.2;
   candidate.coarse_camera_from_map = perturb_camera(true_view(), turn);
-  EXPECT_LT(predicted_px, 0.25 * 0.1 * test_camera().pixels_per_radian());
+  EXPECT_LT(predicted_px, 0.25 * 0.2 * test_camera().pixels_per_radian());
   EXPECT_EQ(judge(candidate).status, RefineStatus::kRefined);
+  RefinePoseOptions sure;  // of the coarse pose: what the edges know is then little
+  sure.prior = {0.005, 0.0005};
+  expect_refused(judge(candidate, sure), candidate, "uncertain");
   RefinePoseOptions strict;
   strict.max_predicted_share = 0.0;
   expect_refused(judge(candidate, strict), candidate, "uncertain");

@@ -43,8 +43,8 @@ struct RefinePoseOptions {
   /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
   /// covariance, to be off by no more than this, pixels. (0, inf)
   double max_predicted_shift_px = 5.0;
-  /// Or by no more than this share of what the pose moved that surface by: it is a better pose than the coarse one all
-  /// the same. [0, 1]
+  /// Or by no more than this share of what the pose moved that surface by, where the image's own edges know all
+  /// directions: it is a better pose than the coarse one all the same. [0, 1]
   double max_predicted_share = 0.25;
 
   void validate() const;
