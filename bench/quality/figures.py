@@ -139,7 +139,9 @@ def markdown(results):
         + (f", refine {results['refine_options']}" if results["refine_options"] else "")
         + ".\n\n",
         "Pixels are medians over a scene of the images' mean reprojection shift. Scenes with exact truth: sharp images, "
-        "against the poses that fit the map best, on the exact surface. Recorded scenes: "
+        "against the poses that fit the map best, on the exact surface"
+        + (f"; {results['moved']} copies of each, moved against the voxel grid, in a row" if results["moved"] else "")
+        + ". Recorded scenes: "
         f"{results['trials']} trials, each image turned by {results['angle_deg']:g}° and moved by "
         f"{100 * results['distance_m']:g} cm at random, against the scene's reference poses, on the map's visible "
         f"points. Accepted, but worse: refined images that end more than {WORSE_MARGIN_PX:g} px farther off than they "

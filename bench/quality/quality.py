@@ -19,6 +19,7 @@ import time
 import zlib
 
 import figures
+import moved_scene
 import poses
 
 
@@ -84,8 +85,36 @@ def refine_run(kind, scene, start_name, trials, method="cp_plus"):
     return run
 
 
+def copies_of(scene, out, settings):
+    """The scene itself, or where copies are asked for these, each moved to another place of the voxel grid."""
+    if settings.moved == 0:
+        return [scene]
+    generator = random.Random(settings.seed + zlib.crc32(scene.name.encode()))
+    copies = []
+    for number in range(settings.moved):
+        copy = out / scene.name / f"moved{number}"
+        moved_scene.write_moved(scene, copy, [generator.uniform(0.0, 2.0) for _ in range(3)])
+        copies.append(copy)
+    return copies
+
+
 def truth_runs(program, scene, out, settings, method="cp_plus"):
     """A scene with exact truth, from each of its coarse starts (of those asked for)."""
+    copies = copies_of(scene, out, settings)
+    for start in starts_of(scene, settings):
+        yield refine_run("truth", scene, start,
+                         [lambda c=copy: truth_run(program, c, out / scene.name / start / c.name, start, settings, method)
+                          for copy in copies], method)
+
+
+def starts_of(scene, settings):
+    names = [path.name for path in scene.glob("coarse_*")]
+    by_size = {"coarse_small": 0, "coarse_medium": 1, "coarse_large": 2}
+    return [name for name in sorted(names, key=lambda n: (by_size.get(n, 3), n))
+            if not settings.start or name in settings.start]
+
+
+def truth_run(program, scene, out, start, settings, method):
     options = shlex.split(settings.refine)
     if (scene / "stamps.txt").exists():
         options += ["--stamps", scene / "stamps.txt"]
@@ -96,14 +125,7 @@ def truth_runs(program, scene, out, settings, method="cp_plus"):
         measure += ["--exclude", scene / "truth" / "blurred.txt"]
     if method != "cp_plus":
         options += ["--method", method]
-    by_size = {"coarse_small": 0, "coarse_medium": 1, "coarse_large": 2}
-    for start in sorted(scene.glob("coarse_*"), key=lambda path: (by_size.get(path.name, 3), path.name)):
-        if settings.start and start.name not in settings.start:
-            continue
-        folder = out / scene.name / start.name
-        yield refine_run("truth", scene, start.name,
-                         [lambda s=start, f=folder: refine_once(program, scene, f, scene / "images", s,
-                                                                scene / "truth" / "on_map", options, measure)], method)
+    return refine_once(program, scene, out, scene / "images", scene / start, scene / "truth" / "on_map", options, measure)
 
 
 def method_runs(program, scene, out, settings):
@@ -188,6 +210,8 @@ def parse_arguments():
                         help="only this start of the truth scenes, e.g. coarse_medium (may be repeated)")
     parser.add_argument("--methods", type=method_list, default=["cp_plus"], metavar="LIST",
                         help="one more table: scene x start x method, e.g. cp_plus,lines,nid,none (truth scenes)")
+    parser.add_argument("--moved", type=int, default=0, metavar="N",
+                        help="take N copies of each truth scene, moved at random against the voxel grid, as one row")
     parser.add_argument("--trials", type=int, default=20, help="disturbed trials of each recorded scene")
     parser.add_argument("--angle-deg", type=float, default=1.0, help="rotation of a disturbance")
     parser.add_argument("--distance-m", type=float, default=0.05, help="translation of a disturbance")
@@ -211,7 +235,7 @@ def main():
     runs_folder = settings.out / "runs"
     results = {"date": datetime.date.today().isoformat(), "machine": machine(), "version": program.version(),
                "threads": settings.threads, "trials": settings.trials, "angle_deg": settings.angle_deg,
-               "distance_m": settings.distance_m, "seed": settings.seed, "refine_options": settings.refine,
+               "distance_m": settings.distance_m, "seed": settings.seed, "moved": settings.moved, "refine_options": settings.refine,
                "refine": [], "methods": [], "colorize": []}
 
     def keep(kind, run, row):

@@ -5,11 +5,13 @@ import argparse
 import math
 import pathlib
 import random
+import struct
 import sys
 import tempfile
 import unittest
 
 import figures
+import moved_scene
 import poses
 import quality
 
@@ -49,6 +51,28 @@ class PosesTest(unittest.TestCase):
             images = [poses.Image(self.POSE, 1, "a b.jpg"), poses.Image(self.POSE, 1, "c.jpg")]
             poses.write_model(pathlib.Path(folder) / "copy", images, source)
             self.assertEqual(poses.read_images(pathlib.Path(folder) / "copy"), images)
+
+
+class MovedSceneTest(unittest.TestCase):
+    OFFSET = (0.5, -1.25, 2.0)
+
+    def test_a_camera_sees_the_moved_points_as_before(self):
+        pose, point = PosesTest.POSE, (0.3, 0.7, -1.1)
+        moved = moved_scene.moved_pose(pose, self.OFFSET)
+        moved_point = [x + d for x, d in zip(point, self.OFFSET)]
+        before = [r + t for r, t in zip(poses.rotate(pose.q, point), pose.t)]
+        after = [r + t for r, t in zip(poses.rotate(moved.q, moved_point), moved.t)]
+        for value, expected in zip(after, before):
+            self.assertAlmostEqual(value, expected)
+
+    def test_points_are_moved_and_nothing_else(self):
+        header = (b"# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
+                  b"WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA binary\n")
+        with tempfile.TemporaryDirectory() as folder:
+            cloud, out = pathlib.Path(folder) / "a.pcd", pathlib.Path(folder) / "b.pcd"
+            cloud.write_bytes(header + struct.pack("<8f", 1, 2, 3, 50, -1, 0, 4, 60))
+            moved_scene.move_cloud(cloud, out, self.OFFSET)
+            self.assertEqual(out.read_bytes(), header + struct.pack("<8f", 1.5, 0.75, 5, 50, -0.5, -1.25, 6, 60))
 
 
 class FiguresTest(unittest.TestCase):
