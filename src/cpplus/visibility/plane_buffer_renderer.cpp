@@ -14,7 +14,7 @@ namespace {
 
 // The patch of a leaf reaches a little beyond it, so that neighbouring patches of sparse surfaces close.
 constexpr double kPatchRadiusLeaves = 0.7;
-constexpr double kMaxPatchRadiusPx = 64.0;
+constexpr float kMaxPatchRadiusPx = 64.0f;
 
 }  // namespace
 
@@ -55,24 +55,23 @@ namespace {
 class Canvas {
  public:
   Canvas(const Camera& camera, double cell_px)
-      : cell_px_(cell_px),
+      : inverse_cell_(static_cast<float>(1.0 / cell_px)),
         nearest_(static_cast<int>(std::ceil(camera.width() / cell_px)),
                  static_cast<int>(std::ceil(camera.height() / cell_px)), kNoRangeKey) {}
 
   // The cell of the patch's centre at its range; those that lie within the patch around it at its rim's range, so that
   // a patch drawn over the neighbours of its own plane never wins over the patch that belongs there.
-  void draw(const Eigen::Vector2d& pixel, double radius_px, float range, float rim_range, int32_t plane) {
-    const Eigen::Vector2d cell = (pixel.array() + 0.5) / cell_px_;
-    const double radius = radius_px / cell_px_;
-    const int cx = static_cast<int>(std::floor(cell.x()));
-    const int cy = static_cast<int>(std::floor(cell.y()));
-    const int x0 = std::max(0, std::min(cx, static_cast<int>(std::floor(cell.x() - radius + 0.5))));
-    const int x1 = std::min(nearest_.width - 1, std::max(cx, static_cast<int>(std::floor(cell.x() + radius - 0.5))));
-    const int y0 = std::min(cy, static_cast<int>(std::floor(cell.y() - radius + 0.5)));
-    const int y1 = std::max(cy, static_cast<int>(std::floor(cell.y() + radius - 0.5)));
-    draw_rectangle(x0, x1, y0, y1, range_key(rim_range, static_cast<uint32_t>(plane)), &nearest_);
-    if (!nearest_.contains(cx, cy)) return;
-    nearest_.at(cx, cy) = std::min(nearest_.at(cx, cy), range_key(range, static_cast<uint32_t>(plane)));
+  void draw(const Eigen::Vector2f& pixel, float radius_px, float range, float rim_range, int32_t plane) {
+    const Eigen::Array2f cell = (pixel.array() + 0.5f) * inverse_cell_;
+    const float radius = radius_px * inverse_cell_;
+    const Eigen::Array2i center = cell.floor().cast<int>();
+    const Eigen::Array2i low = (cell - radius + 0.5f).floor().cast<int>().min(center);
+    const Eigen::Array2i high = (cell + radius - 0.5f).floor().cast<int>().max(center);
+    draw_rectangle(std::max(0, low.x()), std::min(nearest_.width - 1, high.x()), low.y(), high.y(),
+                   range_key(rim_range, static_cast<uint32_t>(plane)), &nearest_);
+    if (!nearest_.contains(center.x(), center.y())) return;
+    RangeKey& at_center = nearest_.at(center.x(), center.y());
+    at_center = std::min(at_center, range_key(range, static_cast<uint32_t>(plane)));
   }
 
   void copy_to(PlaneBuffer* buffer) const {
@@ -86,8 +85,71 @@ class Canvas {
   }
 
  private:
-  double cell_px_;
+  float inverse_cell_;
   Image<RangeKey> nearest_;
+};
+
+// Draws the patches of runs of leaves as one camera sees them.
+class PatchDrawer {
+ public:
+  PatchDrawer(const VoxelMap& map, const PlaneSegmentation& planes, const PlaneSurface& surface, const Camera& camera,
+              const Rigid3& camera_from_map, const PlaneBufferOptions& options)
+      : surface_(surface),
+        camera_(camera),
+        rotation_(camera_from_map.rotation.toRotationMatrix().cast<float>()),
+        // float32 holds what is in reach to micrometres: the large offsets cancel in double first.
+        center_from_origin_((camera_center(camera_from_map) - map.origin()).cast<float>()),
+        box_(tangent_box(camera)),
+        radius_m_(static_cast<float>(kPatchRadiusLeaves * map.options().leaf_size_m)),
+        max_distance_m_(static_cast<float>(options.max_distance_m)),
+        canvas_(camera, options.cell_px) {
+    for (const MapPlane& plane : planes.planes) normals_in_camera_.push_back(rotation_ * plane.normal.cast<float>());
+  }
+
+  // Patches [begin, end) of the surface.
+  void draw(size_t begin, size_t end) {
+    patches_.clear();
+    x_in_camera_.clear();
+    for (size_t k = begin; k < end; ++k) {
+      const Eigen::Vector3f x = rotation_ * (surface_.centers[k] - center_from_origin_);
+      if (box_.excludes(x, radius_m_)) continue;
+      const float range = x.norm();
+      if (range > max_distance_m_ || range < 1e-3f) continue;
+      patches_.push_back({surface_.plane_of[k], range});
+      x_in_camera_.push_back(x);
+    }
+    camera_.project(x_in_camera_, &pixels_);
+    const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
+    for (size_t i = 0; i < patches_.size(); ++i) {
+      const auto [plane, range] = patches_[i];
+      const float radius_px = std::min(radius_m_ / range * pixels_per_radian, kMaxPatchRadiusPx);
+      if (!camera_.in_image(pixels_[i].cast<double>(), -static_cast<double>(radius_px))) continue;  // NaN: nowhere
+      const float cosine = normals_in_camera_[static_cast<size_t>(plane)].dot(x_in_camera_[i]) / range;
+      const float rim_range = range + radius_m_ * std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+      canvas_.draw(pixels_[i], radius_px, range, rim_range, plane);
+    }
+  }
+
+  const Canvas& canvas() const { return canvas_; }
+
+ private:
+  struct Patch {
+    int32_t plane;
+    float range;
+  };
+
+  const PlaneSurface& surface_;
+  const Camera& camera_;
+  Eigen::Matrix3f rotation_;
+  Eigen::Vector3f center_from_origin_;
+  TangentBox box_;
+  float radius_m_;
+  float max_distance_m_;
+  Canvas canvas_;
+  std::vector<Eigen::Vector3f> normals_in_camera_;  // by plane
+  std::vector<Patch> patches_;
+  std::vector<Eigen::Vector3f> x_in_camera_;
+  std::vector<Eigen::Vector2f> pixels_;
 };
 
 }  // namespace
@@ -95,40 +157,22 @@ class Canvas {
 PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& planes, const PlaneSurface& surface,
                                 const Camera& camera, const Rigid3& camera_from_map,
                                 const PlaneBufferOptions& options) {
-  Canvas canvas(camera, options.cell_px);
-  const double radius_m = kPatchRadiusLeaves * map.options().leaf_size_m;
-  const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
-  const Eigen::Vector3d offset = rotation * map.origin() + camera_from_map.translation;
-  const TangentBox box = tangent_box(camera);
-  const auto draw_patch = [&](size_t k) {
-    const Eigen::Vector3d x = rotation * surface.centers[k].cast<double>() + offset;
-    if (box.excludes(x.cast<float>(), static_cast<float>(radius_m))) return;
-    const double range = x.norm();
-    if (range > options.max_distance_m || range < 1e-3) return;
-    const auto pixel = camera.project(x);
-    if (!pixel) return;
-    const double radius_px = std::min(radius_m / range * camera.pixels_per_radian(), kMaxPatchRadiusPx);
-    if (!camera.in_image(*pixel, -radius_px)) return;
-    const MapPlane& plane = planes.planes[static_cast<size_t>(surface.plane_of[k])];
-    const double cosine = plane.normal.dot(rotation.transpose() * x) / range;
-    const double rim_range = range + radius_m * std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-    canvas.draw(*pixel, radius_px, static_cast<float>(range), static_cast<float>(rim_range), surface.plane_of[k]);
-  };
-
+  PatchDrawer drawer(map, planes, surface, camera, camera_from_map, options);
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   for (const uint32_t root :
        map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), options.max_distance_m)) {
     const auto [leaf_begin, leaf_end] = leaves_of_root(map, root);
     const auto first = std::lower_bound(surface.leaves.begin(), surface.leaves.end(), leaf_begin);
     const auto last = std::lower_bound(first, surface.leaves.end(), leaf_end);
-    for (auto it = first; it != last; ++it) draw_patch(static_cast<size_t>(it - surface.leaves.begin()));
+    drawer.draw(static_cast<size_t>(first - surface.leaves.begin()),
+                static_cast<size_t>(last - surface.leaves.begin()));
   }
 
   PlaneBuffer buffer;
   buffer.camera = camera;
   buffer.camera_from_map = camera_from_map;
   buffer.cell_px = options.cell_px;
-  canvas.copy_to(&buffer);
+  drawer.canvas().copy_to(&buffer);
   buffer.planes = &planes.planes;
   return buffer;
 }
