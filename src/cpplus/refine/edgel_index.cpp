@@ -11,6 +11,22 @@ namespace {
 constexpr int kFar = 16000;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
+// Which sixteenth of half a turn a direction lies in, the same for the opposite one, told without its angle.
+int sixteenth_of(double x, double y) {
+  // Tangents of 11.25, 22.5 and 33.75 degrees.
+  constexpr std::array<double, 3> kTangents = {0.19891236737965800, 0.41421356237309503, 0.66817863791929898};
+  if (y < 0 || (y == 0 && x < 0)) x = -x, y = -y;
+  const double across = std::abs(x);
+  int part = 0;
+  if (y < across) {
+    for (const double tangent : kTangents) part += y >= tangent * across;
+  } else {
+    part = 7;
+    for (const double tangent : kTangents) part -= across > tangent * y;
+  }
+  return x >= 0 ? part : 15 - part;
+}
+
 // Turns (cosine and sine) by angles from -max_angle_deg to max_angle_deg, with some room for rounding, none farther
 // from the next than an eighth of half a turn.
 std::vector<Eigen::Vector2d> turns_up_to(double max_angle_deg) {
@@ -60,11 +76,7 @@ EdgelIndex::EdgelIndex(const ImageEdges& edges, double max_angle_deg)
 }
 
 uint8_t EdgelIndex::direction_of(const Eigen::Vector2d& normal) {
-  constexpr double kTan22 = 0.41421356237309503;  // of 22.5 degrees
-  const double x = std::abs(normal.x());
-  const double y = std::abs(normal.y());
-  const int eighth = y < kTan22 * x ? 0 : y < x ? 1 : kTan22 * y < x ? 2 : 3;
-  return static_cast<uint8_t>(1 << ((normal.x() < 0) == (normal.y() < 0) ? eighth : 7 - eighth));
+  return static_cast<uint8_t>(1 << (sixteenth_of(normal.x(), normal.y()) / 2));
 }
 
 uint8_t EdgelIndex::agreeing_directions(const ImageEdgel& edgel) const {
@@ -131,10 +143,8 @@ void EdgelIndex::all_along(const Eigen::Vector2d& pixel, const Eigen::Vector2d& 
 }
 
 int DirectionalDistanceField::bin_of(const Eigen::Vector2d& normal) {
-  double angle = std::atan2(normal.y(), normal.x());
-  if (angle < 0) angle += std::numbers::pi;
-  const int bin = static_cast<int>(angle / std::numbers::pi * kBins);
-  return bin >= kBins ? 0 : bin;
+  static_assert(kBins == 8);
+  return sixteenth_of(normal.x(), normal.y()) / 2;
 }
 
 DirectionalDistanceField::DirectionalDistanceField(const ImageEdges& edges, int cell_px, double max_distance_px)
@@ -151,11 +161,9 @@ DirectionalDistanceField::DirectionalDistanceField(const ImageEdges& edges, int 
     const int column = std::clamp(static_cast<int>((edgel.pixel.x() + 0.5f) * inverse_cell_) + 1, 1, stride_ - 2);
     const int row = std::clamp(static_cast<int>((edgel.pixel.y() + 0.5f) * inverse_cell_) + 1, 1, rows_ - 2);
     // Each edgel counts in its own bin and in the one next to it on the nearer side.
-    float angle = std::atan2(edgel.normal.y(), edgel.normal.x());
-    if (angle < 0) angle += std::numbers::pi_v<float>;
-    const float position = angle / std::numbers::pi_v<float> * kBins;
-    const int bin = static_cast<int>(position) % kBins;
-    const int next = (position - std::floor(position) < 0.5f ? bin + kBins - 1 : bin + 1) % kBins;
+    const int sixteenth = sixteenth_of(static_cast<double>(edgel.normal.x()), static_cast<double>(edgel.normal.y()));
+    const int bin = sixteenth / 2;
+    const int next = (sixteenth % 2 == 0 ? bin + kBins - 1 : bin + 1) % kBins;
     cell(column, row)[bin] = 0;
     cell(column, row)[next] = 0;
   }
