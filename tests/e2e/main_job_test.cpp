@@ -22,11 +22,11 @@ using testing::ElementsAre;
 
 std::string world(const std::string& name) { return std::string(CPPLUS_E2E_WORLD) + "/" + name; }
 
-void colorize(const std::string& poses, const std::string& out, const Arguments& more = {}) {
+ProcessResult colorize(const std::string& poses, const std::string& out, const Arguments& more = {}) {
   Arguments arguments = {"colorize", "--map", world("map.pcd"), "--images", world("images"),
                          "--poses",  poses,   "--out",          out};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  run_well(arguments);
+  return run_well(arguments);
 }
 
 /// Refines into a folder of its own below `directory` and returns that folder.
@@ -203,6 +203,25 @@ TEST(MainJob, ColorizeGivesTheSameBytesForEveryFormatAndThreadCount) {
     colorize(world("coarse_small"), two, {"--threads", "2"});
     EXPECT_TRUE(read_file(one) == read_file(two)) << extension;
   }
+}
+
+TEST(MainJob, ColorizeGivesTheSameInPartsOfTheMap) {
+  const std::string directory = make_test_directory();
+  const auto run = [&](const std::string& name, bool in_parts, const Arguments& more) {
+    const std::string out = directory + "/" + name;
+    // Smaller roots than usual: a part is at least four across.
+    Arguments arguments = {
+        "--hold-out", "4", "--report", out + ".json", "--debug-images", out, "--voxel-map.root-size-m", "0.5"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProcessResult result = colorize(world("truth/on_map"), out + ".ply", arguments);
+    EXPECT_EQ(result.out.find("parts of the map") != std::string::npos, in_parts) << result.out;
+    std::string bytes = read_file(out + ".ply") + read_file(out + ".json");
+    for (const std::string& file : files_below(out)) bytes += read_file(out + "/" + file);
+    return bytes;
+  };
+  const std::string whole = run("whole", false, {});
+  EXPECT_TRUE(run("parts", true, {"--max-part-points", "100000", "--threads", "1"}) == whole);
+  EXPECT_TRUE(run("more_parts", true, {"--max-part-points", "5000", "--threads", "2"}) == whole);
 }
 
 TEST(MainJob, EvaluateIsZeroForTheReferenceAndGrowsWithTheError) {

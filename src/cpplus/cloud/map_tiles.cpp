@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace cpplus {
 namespace {
@@ -50,12 +51,18 @@ bool halve(const VoxelMap& map, const MapTile& whole, MapTile* lower, MapTile* u
 }  // namespace
 
 std::vector<MapTile> divide_map(const VoxelMap& map, size_t max_points) {
+  if (map.num_points() == 0) return {};
+  std::vector<uint32_t> roots(map.num_nodes(0));
+  std::iota(roots.begin(), roots.end(), 0u);
+  return divide_roots(map, std::move(roots), max_points);
+}
+
+std::vector<MapTile> divide_roots(const VoxelMap& map, std::vector<uint32_t> roots, size_t max_points) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<MapTile> tiles;
-  if (map.num_points() == 0) return tiles;
+  if (roots.empty()) return tiles;
   std::vector<MapTile> open(1);
-  open[0].roots.resize(map.num_nodes(0));
-  std::iota(open[0].roots.begin(), open[0].roots.end(), 0u);
+  open[0].roots = std::move(roots);
   open[0].box = {Eigen::Vector3d::Constant(-kInfinity), Eigen::Vector3d::Constant(kInfinity)};
   while (!open.empty()) {
     const MapTile whole = std::move(open.back());

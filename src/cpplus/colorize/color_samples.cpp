@@ -28,4 +28,18 @@ void ColorSamples::add(size_t point, const ColorSample& sample) {
   kept[max_samples_ - 1] = sample;
 }
 
+void ColorSamples::renumber_images(std::span<const uint16_t> new_index) {
+  for (size_t point = 0; point < num_points(); ++point) {
+    ColorSample* kept = &samples_[point * static_cast<size_t>(max_samples_)];
+    for (uint8_t k = 0; k < num_kept_[point]; ++k) kept[k].image = new_index[kept[k].image];
+  }
+}
+
+void ColorSamples::restore(size_t point, std::span<const ColorSample> kept, uint16_t num_views) {
+  std::copy(kept.begin(), kept.end(),
+            samples_.begin() + static_cast<ptrdiff_t>(point * static_cast<size_t>(max_samples_)));
+  num_kept_[point] = static_cast<uint8_t>(kept.size());
+  num_views_[point] = num_views;
+}
+
 }  // namespace cpplus

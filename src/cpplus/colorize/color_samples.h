@@ -33,6 +33,12 @@ class ColorSamples {
   /// Different points may be added to at the same time.
   void add(size_t point, const ColorSample& sample);
 
+  /// Gives a point without samples what another one had: its kept samples, max_samples at most, and its views.
+  void restore(size_t point, std::span<const ColorSample> kept, uint16_t num_views);
+
+  /// Gives all samples the image index that `new_index` has for theirs.
+  void renumber_images(std::span<const uint16_t> new_index);
+
   /// How many images offered a sample, also those not kept.
   uint16_t num_views(size_t point) const { return num_views_[point]; }
 

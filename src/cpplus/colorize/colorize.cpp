@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "cpplus/colorize/cell_bearings.h"
-#include "cpplus/colorize/color_samples.h"
-#include "cpplus/colorize/exposure_correction.h"
 #include "cpplus/colorize/robust_color.h"
 #include "cpplus/colorize/surface_normals.h"
 #include "cpplus/core/error.h"
@@ -52,67 +49,6 @@ std::vector<Rgb> gray_of_points(const PointCloud& cloud, const GrayScale& grays)
   return colors;
 }
 
-/// Offers every view to the points that it may see.
-ColorSamples collect_samples(const VoxelMap& map, const NextColorView& next_view, const ColorizeOptions& options,
-                             std::vector<ColorizedImage>* images) {
-  const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
-  ColorSamples samples(map.num_points(), options.max_samples);
-  CellBearings bearings;
-  while (const std::optional<ColorView> view = next_view()) {
-    if (images->size() > std::numeric_limits<uint16_t>::max()) {
-      throw Error(fmt::format("image {}: colours can come from 65536 images at most", view->name));
-    }
-    const auto index = static_cast<uint16_t>(images->size());
-    const ViewSampler sampler(*view, bearings.of(view->depth), options.sampling);
-    const TangentBox box = tangent_box(view->camera);
-    const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    const std::vector<uint32_t> roots =
-        map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
-                             options.sampling.max_distance_m);
-    parallel_for_each(roots.size(), [&](size_t k) {
-      add_view_to_root(map, normals, roots[k], view->camera_from_map, box, sampler, index, &samples);
-    });
-    images->push_back({view->name, view->image_id, view->camera_id, {}});
-  }
-  return samples;
-}
-
-/// Estimates the exposure of the images in `result` and puts it there.
-ExposureCorrection equalize_exposure(const ColorSamples& samples, const ExposureOptions& options,
-                                     ColorizeResult* result) {
-  std::map<uint32_t, uint32_t> index_of_camera;
-  std::vector<uint32_t> camera_of_image;
-  for (const ColorizedImage& image : result->images) {
-    const auto next = static_cast<uint32_t>(index_of_camera.size());
-    camera_of_image.push_back(index_of_camera.emplace(image.camera_id, next).first->second);
-  }
-  const ExposureObservations observations = collect_exposure_observations(samples, camera_of_image.size());
-  const ExposureModel model = estimate_exposure(observations, camera_of_image, index_of_camera.size(), options);
-  for (size_t i = 0; i < result->images.size(); ++i) result->images[i].exposure = model.images[i];
-  for (const auto& [id, index] : index_of_camera) result->vignetting[id] = model.cameras[index];
-  result->exposure_residual = model.residual;
-  return {model, camera_of_image};
-}
-
-void color_points(const VoxelMap& map, const ColorSamples& samples, const ExposureCorrection& correction,
-                  const std::vector<ColorizedImage>& images, double max_deviation, PointCloud* cloud) {
-  parallel_for_chunks(map.num_points(), 4096, [&](size_t begin, size_t end) {
-    std::vector<WeightedColor> colors;
-    for (size_t i = begin; i < end; ++i) {
-      const std::span<const ColorSample> kept = samples.of_point(i);
-      if (kept.empty()) continue;
-      colors.clear();
-      for (const ColorSample& sample : kept) colors.push_back(correction.corrected(sample));
-      const RobustColor robust = robust_color(colors, max_deviation);
-      const uint32_t point = map.input_index(i);
-      cloud->colors[point] = robust.color;
-      cloud->num_views[point] = samples.num_views(i);
-      cloud->best_images[point] = images[kept[robust.best].image].image_id;
-      cloud->color_spreads[point] = robust.spread;
-    }
-  });
-}
-
 }  // namespace
 
 void ColorizeOptions::validate() const {
@@ -122,25 +58,93 @@ void ColorizeOptions::validate() const {
   check_option(normal_voxel_m > 0, "normal_voxel_m", "(0, inf)", normal_voxel_m);
 }
 
-ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
-                        const ColorizeOptions& options) {
-  const GrayScale grays(cloud.intensities);
-  return colorize(std::move(cloud), map, next_view, options, grays);
+uint16_t color_view_index(size_t index, const std::string& name) {
+  if (index > std::numeric_limits<uint16_t>::max()) {
+    throw Error(fmt::format("image {}: colours can come from 65536 images at most", name));
+  }
+  return static_cast<uint16_t>(index);
+}
+
+ColorSamples collect_color_samples(const VoxelMap& map, const NextColorView& next_view,
+                                   const ColorizeOptions& options) {
+  const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
+  ColorSamples samples(map.num_points(), options.max_samples);
+  CellBearings bearings;
+  while (const std::optional<ColorView> view = next_view()) {
+    const ViewSampler sampler(*view, bearings.of(view->depth), options.sampling);
+    const TangentBox box = tangent_box(view->camera);
+    const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const std::vector<uint32_t> roots =
+        map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
+                             options.sampling.max_distance_m);
+    parallel_for_each(roots.size(), [&](size_t k) {
+      add_view_to_root(map, normals, roots[k], view->camera_from_map, box, sampler, view->index, &samples);
+    });
+  }
+  return samples;
+}
+
+ExposureCorrection equalize_exposure(const ExposureObservations& observations, const ExposureOptions& options,
+                                     ColorizeResult* result) {
+  std::map<uint32_t, uint32_t> index_of_camera;
+  std::vector<uint32_t> camera_of_image;
+  for (const ColorizedImage& image : result->images) {
+    const auto next = static_cast<uint32_t>(index_of_camera.size());
+    camera_of_image.push_back(index_of_camera.emplace(image.camera_id, next).first->second);
+  }
+  const ExposureModel model = estimate_exposure(observations, camera_of_image, index_of_camera.size(), options);
+  for (size_t i = 0; i < result->images.size(); ++i) result->images[i].exposure = model.images[i];
+  for (const auto& [id, index] : index_of_camera) result->vignetting[id] = model.cameras[index];
+  result->exposure_residual = model.residual;
+  return {model, camera_of_image};
+}
+
+std::vector<ColoredPoint> color_points(const ColorSamples& samples, const ExposureCorrection& correction,
+                                       const std::vector<ColorizedImage>& images, double max_deviation) {
+  std::vector<ColoredPoint> points(samples.num_points());
+  parallel_for_chunks(points.size(), 4096, [&](size_t begin, size_t end) {
+    std::vector<WeightedColor> colors;
+    for (size_t i = begin; i < end; ++i) {
+      const std::span<const ColorSample> kept = samples.of_point(i);
+      if (kept.empty()) continue;
+      colors.clear();
+      for (const ColorSample& sample : kept) colors.push_back(correction.corrected(sample));
+      const RobustColor robust = robust_color(colors, max_deviation);
+      points[i] = {robust.color, robust.spread, samples.num_views(i), images[kept[robust.best].image].image_id};
+    }
+  });
+  return points;
 }
 
 ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
-                        const ColorizeOptions& options, const GrayScale& grays) {
+                        const ColorizeOptions& options) {
   options.validate();
   ColorizeResult result;
-  const ColorSamples samples = collect_samples(map, next_view, options, &result.images);
-  const ExposureCorrection correction = equalize_exposure(samples, options.exposure, &result);
-  cloud.colors = gray_of_points(cloud, grays);
+  const auto numbered_view = [&] {
+    std::optional<ColorView> view = next_view();
+    if (view) {
+      view->index = color_view_index(result.images.size(), view->name);
+      result.images.push_back({view->name, view->image_id, view->camera_id, {}});
+    }
+    return view;
+  };
+  const ColorSamples samples = collect_color_samples(map, numbered_view, options);
+  const ExposureCorrection correction =
+      equalize_exposure(collect_exposure_observations(samples, result.images.size()), options.exposure, &result);
+  cloud.colors = gray_of_points(cloud, GrayScale(cloud.intensities));
   cloud.num_views.assign(cloud.size(), 0);
   cloud.best_images.assign(cloud.size(), 0);
   cloud.color_spreads.assign(cloud.size(), 0);
-  color_points(map, samples, correction, result.images, options.max_deviation, &cloud);
-  result.num_colored = static_cast<size_t>(
-      std::count_if(cloud.num_views.begin(), cloud.num_views.end(), [](uint16_t views) { return views > 0; }));
+  const std::vector<ColoredPoint> colored = color_points(samples, correction, result.images, options.max_deviation);
+  for (size_t i = 0; i < colored.size(); ++i) {
+    if (colored[i].num_views == 0) continue;
+    const uint32_t point = map.input_index(i);
+    cloud.colors[point] = colored[i].color;
+    cloud.num_views[point] = colored[i].num_views;
+    cloud.best_images[point] = colored[i].best_image;
+    cloud.color_spreads[point] = colored[i].spread;
+    ++result.num_colored;
+  }
   result.cloud = std::move(cloud);
   return result;
 }

@@ -9,7 +9,9 @@
 
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/cloud/voxel_map.h"
+#include "cpplus/colorize/color_samples.h"
 #include "cpplus/colorize/exposure.h"
+#include "cpplus/colorize/exposure_correction.h"
 #include "cpplus/colorize/gray_scale.h"
 #include "cpplus/colorize/view_sampler.h"
 
@@ -38,7 +40,7 @@ struct ColorizeOptions {
   }
 };
 
-/// Yields the views one after the other, then nothing. Only one is held at a time.
+/// Yields the views one after the other, in the order of their indices, then nothing. Only one is held at a time.
 using NextColorView = std::function<std::optional<ColorView>()>;
 
 /// What was found out about an image that gave colours.
@@ -53,21 +55,44 @@ struct ColorizeResult {
   /// The input's points in the input's order and with its other attributes; `colors`, `num_views`, `best_images` and
   /// `color_spreads` are new. A point that no image shows has 0 in the last three and the grey of its intensity
   /// (GrayScale).
-  PointCloud cloud;
+  PointCloud cloud;                                 // of colorize() alone
   std::vector<ColorizedImage> images;               // in the order of the views
   std::map<uint32_t, CameraVignetting> vignetting;  // by camera id
   double exposure_residual = 0.0;                   // see ExposureModel; 0 where nothing was estimated
   size_t num_colored = 0;                           // points with num_views > 0
 };
 
+/// What was found out about a point of a map.
+struct ColoredPoint {
+  Rgb color{};              // what the images agree on; not set where num_views is 0
+  uint8_t spread = 0;       // see PointCloud::color_spreads
+  uint16_t num_views = 0;   // see PointCloud::num_views
+  uint32_t best_image = 0;  // id in the model
+};
+
+/// The colours of a map in three steps, so that it can be taken in parts. First: what the images show of the points of
+/// a map, or of a part of one (cloud/map_part.h), in its order. Samples have the index of their view. Memory is 3 + 8 *
+/// max_samples bytes a point.
+ColorSamples collect_color_samples(const VoxelMap& map, const NextColorView& next_view, const ColorizeOptions& options);
+
+/// Then: the exposure of result->images, which the observations' and the samples' indices mean; it is put into the
+/// result.
+ExposureCorrection equalize_exposure(const ExposureObservations& observations, const ExposureOptions& options,
+                                     ColorizeResult* result);
+
+/// Last: the colours of all points that have samples.
+std::vector<ColoredPoint> color_points(const ColorSamples& samples, const ExposureCorrection& correction,
+                                       const std::vector<ColorizedImage>& images, double max_deviation);
+
+/// The index of a view as samples keep it. Throws Error naming the image for the 65537th.
+uint16_t color_view_index(size_t index, const std::string& name);
+
 /// Gives every point the colour on which the images that really see it agree (robust_color), after their exposure has
-/// been made equal (estimate_exposure). `map` must have been built from `cloud`; a point that it dropped (not finite)
-/// is seen by no image. Throws Error for more than 65536 images. Time is linear in images times points in their frusta;
-/// memory is the cloud plus 3 + 8 * max_samples bytes a point. The result does not depend on the number of threads.
+/// been made equal (estimate_exposure): all three steps. `map` must have been built from `cloud`; a point that it
+/// dropped (not finite) is seen by no image. Views are numbered in their order. Throws Error for more than 65536
+/// images. Time is linear in images times points in their frusta; memory is the cloud plus 15 + 8 * max_samples bytes a
+/// point. The result does not depend on the number of threads.
 ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
                         const ColorizeOptions& options);
-/// The same of a part of a cloud: `grays` are those of the whole.
-ColorizeResult colorize(PointCloud cloud, const VoxelMap& map, const NextColorView& next_view,
-                        const ColorizeOptions& options, const GrayScale& grays);
 
 }  // namespace cpplus

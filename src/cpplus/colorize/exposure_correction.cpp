@@ -30,6 +30,8 @@ float weight_of_light(float light) {
   return static_cast<float>(1.0 / (1.0 + 1e3 * sigma * sigma));
 }
 
+bool is_candidate(const ColorSamples& samples, size_t point) { return samples.of_point(point).size() >= 2; }
+
 void add_point(std::span<const ColorSample> samples, ExposureObservations* result) {
   const size_t begin = result->observations.size();
   for (const ColorSample& sample : samples) {
@@ -47,14 +49,35 @@ void add_point(std::span<const ColorSample> samples, ExposureObservations* resul
 
 }  // namespace
 
-ExposureObservations collect_exposure_observations(const ColorSamples& samples, size_t num_images) {
-  std::vector<size_t> candidates;
-  for (size_t point = 0; point < samples.num_points(); ++point) {
-    if (samples.of_point(point).size() >= 2) candidates.push_back(point);
+ExposureChoice::ExposureChoice(size_t num_candidates, size_t num_images)
+    : num_candidates_(num_candidates),
+      budget_(std::min(num_candidates, std::max(kMinPointBudget, kPointsPerImage * num_images))) {}
+
+bool ExposureChoice::takes(size_t rank) const {
+  // Taken are the ranks k num_candidates / budget, rounded down, for k below the budget.
+  const size_t k = (rank * budget_ + num_candidates_ - 1) / num_candidates_;
+  return k < budget_ && k * num_candidates_ / budget_ == rank;
+}
+
+size_t count_exposure_candidates(const ColorSamples& samples, size_t begin, size_t end) {
+  size_t count = 0;
+  for (size_t point = begin; point < end; ++point) count += is_candidate(samples, point) ? 1 : 0;
+  return count;
+}
+
+void add_exposure_observations(const ColorSamples& samples, size_t begin, size_t end, size_t first_rank,
+                               const ExposureChoice& choice, ExposureObservations* observations) {
+  size_t rank = first_rank;
+  for (size_t point = begin; point < end; ++point) {
+    if (is_candidate(samples, point) && choice.takes(rank++)) add_point(samples.of_point(point), observations);
   }
-  const size_t budget = std::min(candidates.size(), std::max(kMinPointBudget, kPointsPerImage * num_images));
+}
+
+ExposureObservations collect_exposure_observations(const ColorSamples& samples, size_t num_images) {
+  const size_t num_points = samples.num_points();
   ExposureObservations result;
-  for (size_t k = 0; k < budget; ++k) add_point(samples.of_point(candidates[k * candidates.size() / budget]), &result);
+  const ExposureChoice choice(count_exposure_candidates(samples, 0, num_points), num_images);
+  add_exposure_observations(samples, 0, num_points, 0, choice, &result);
   return result;
 }
 

@@ -15,6 +15,27 @@ namespace cpplus {
 /// an image, evenly over the map. Samples with a channel near white (clipped) or with hardly any light are left out.
 ExposureObservations collect_exposure_observations(const ColorSamples& samples, size_t num_images);
 
+/// Which points that takes where the samples of a map come in parts, so that it is the same for any parts.
+class ExposureChoice {
+ public:
+  /// num_candidates: of the whole map, see count_exposure_candidates.
+  ExposureChoice(size_t num_candidates, size_t num_images);
+
+  /// Whether the candidate with that rank (in map order, among those of the whole map) is taken.
+  bool takes(size_t rank) const;
+
+ private:
+  size_t num_candidates_;
+  size_t budget_;
+};
+
+/// How many of the points [begin, end) several kept samples show.
+size_t count_exposure_candidates(const ColorSamples& samples, size_t begin, size_t end);
+
+/// Appends what the points [begin, end) contribute; the first candidate among them has first_rank.
+void add_exposure_observations(const ColorSamples& samples, size_t begin, size_t end, size_t first_rank,
+                               const ExposureChoice& choice, ExposureObservations* observations);
+
 /// Divides gain and vignetting out of samples, in linear light.
 class ExposureCorrection {
  public:

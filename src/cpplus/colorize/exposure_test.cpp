@@ -188,5 +188,35 @@ TEST(ExposureObservations, LeaveOutClippedAndDarkSamplesAndPointsSeenOnce) {
   EXPECT_NEAR(observations.observations[0].log_light, std::log(light_of_level(100)), 1e-6);
 }
 
+/// Far more points than are taken: two in three are seen twice, each as bright as its number says.
+ColorSamples many_samples(size_t num_points) {
+  ColorSamples samples(num_points, 2);
+  for (size_t i = 0; i < num_points; ++i) {
+    const auto level = static_cast<uint8_t>(50 + i % 190);
+    samples.add(i, {{level, level, level}, 200, 0, 0});
+    if (i % 3 != 1) samples.add(i, {{level, level, level}, 200, 1, 0});
+  }
+  return samples;
+}
+
+TEST(ExposureObservations, AreEvenlyTakenAndTheSameInParts) {
+  constexpr size_t kNumPoints = 100001, kBorder = 31234;
+  const ColorSamples samples = many_samples(kNumPoints);
+  const ExposureObservations whole = collect_exposure_observations(samples, 2);
+  ASSERT_EQ(whole.num_points(), 20000u);
+  const size_t first = count_exposure_candidates(samples, 0, kBorder);
+  const ExposureChoice choice(first + count_exposure_candidates(samples, kBorder, kNumPoints), 2);
+  ExposureObservations parts, second;
+  add_exposure_observations(samples, 0, kBorder, 0, choice, &parts);
+  EXPECT_NEAR(static_cast<double>(parts.num_points()), 20000.0 * kBorder / kNumPoints, 2.0);
+  add_exposure_observations(samples, kBorder, kNumPoints, first, choice, &second);
+  parts.append(second);
+  EXPECT_EQ(parts.point_begin, whole.point_begin);
+  ASSERT_EQ(parts.observations.size(), whole.observations.size());
+  for (size_t i = 0; i < whole.observations.size(); ++i) {
+    ASSERT_EQ(parts.observations[i].log_light, whole.observations[i].log_light) << i;
+  }
+}
+
 }  // namespace
 }  // namespace cpplus

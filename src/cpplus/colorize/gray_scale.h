@@ -19,6 +19,10 @@ class GrayScale {
   /// Mid-grey where no intensity of the cloud is above zero, or this one is not finite.
   Rgb gray(float intensity) const;
   Rgb gray() const;
+  /// Of point i of a cloud with these intensities (may be empty).
+  Rgb gray_of_point(std::span<const float> intensities, size_t i) const {
+    return intensities.empty() ? gray() : gray(intensities[i]);
+  }
 
  private:
   std::optional<double> brightest_;

@@ -15,6 +15,7 @@ namespace cpplus {
 /// An image to take colours from.
 struct ColorView {
   std::string name;        // for error messages
+  uint16_t index = 0;      // of the image among all that give colours
   uint32_t image_id = 0;   // of the model; becomes PointCloud::best_images
   uint32_t camera_id = 0;  // images with the same one share vignetting
   ColorImage image;        // as recorded, not undistorted

@@ -28,6 +28,8 @@ struct ColorizeCommandOptions {
   std::string report;
   /// Folder where the voxel map of a point cloud is kept for later runs (docs/index.md); "" = none.
   std::string cache;
+  /// Points of the map that are coloured at a time, at most: memory grows with it, not with the map. [1, inf)
+  int max_part_points = 8'000'000;
   VoxelMapOptions voxel_map;
   ColorizeOptions color;
 
@@ -46,6 +48,7 @@ struct ColorizeCommandOptions {
             "COLMAP model folder with the poses held-out images are rendered from; empty = those of `poses`.");
     visitor("report", report, "JSON file for gains, vignetting and the held-out images; empty = none.");
     visitor("cache", cache, "Folder where the voxel map of a point cloud is kept for later runs; empty = none.");
+    visitor("max_part_points", max_part_points, "Points coloured at a time, at most; memory grows with them. [1, inf)");
     visitor.group("voxel_map", voxel_map);
     visitor.group("color", color);
   }
@@ -60,7 +63,8 @@ struct ColorizeSummary {
   ImageDifference held_out;  // of these together
 };
 
-/// Reads map, poses and images (one at a time, each once unless it is drawn), colours the points, and writes the cloud.
+/// Reads map, poses and images (one at a time, each once for every part of the map that it looks at, and when it is
+/// drawn), colours the points, and writes the cloud.
 /// An image that is missing, broken or of another size than its camera is skipped with a warning. Throws Error naming
 /// the file for anything else that cannot be read or written, and where no image sees a point of the map; nothing is
 /// written then.

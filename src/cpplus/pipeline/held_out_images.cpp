@@ -20,7 +20,7 @@ namespace {
 
 /// Nothing, with a warning, for an image that cannot be used.
 std::optional<HeldOutImage> compare(const std::string& image_folder, const PosedImage& image, const Camera& camera,
-                                    const SparseModel& poses, const VoxelMap& map, const ColorizeResult& result,
+                                    const SparseModel& poses, const ColoredCloud& cloud, const ColorizeResult& result,
                                     const HeldOutRendering& options) {
   const auto posed = std::find_if(poses.images.begin(), poses.images.end(),
                                   [&](const PosedImage& other) { return other.name == image.name; });
@@ -30,9 +30,10 @@ std::optional<HeldOutImage> compare(const std::string& image_folder, const Posed
   }
   try {
     const ColorImage photo = read_color_image(image_path(image_folder, image.name));
-    const DepthBuffer surface = color_view_depth(map, camera, posed->camera_from_map, options.max_distance_m);
-    CloudRendering rendering =
-        render_colored_cloud(result.cloud, surface, posed->camera_from_map, options.point_size_m);
+    const DepthBuffer surface =
+        color_view_depth(cloud.points.map, camera, posed->camera_from_map, options.max_distance_m);
+    CloudRendering rendering = render_colored_cloud(drawn_points(cloud, surface, posed->camera_from_map), surface,
+                                                    posed->camera_from_map, options.point_size_m);
     const auto vignetting = result.vignetting.find(image.camera_id);
     if (vignetting != result.vignetting.end() && vignetting->second.determined) {
       apply_vignetting(vignetting->second.coefficients, &rendering.picture);
@@ -58,12 +59,12 @@ HeldOutSplit split_images(const std::vector<size_t>& images, int every) {
 
 std::vector<HeldOutImage> compare_held_out(const std::string& image_folder, const SparseModel& model,
                                            const std::vector<size_t>& held_out, const SparseModel& poses,
-                                           const VoxelMap& map, const ColorizeResult& result,
+                                           const ColoredCloud& cloud, const ColorizeResult& result,
                                            const HeldOutRendering& rendering) {
   std::vector<std::optional<HeldOutImage>> compared(held_out.size());
   parallel_for_each(held_out.size(), [&](size_t k) {
     const PosedImage& image = model.images[held_out[k]];
-    compared[k] = compare(image_folder, image, model.cameras.at(image.camera_id), poses, map, result, rendering);
+    compared[k] = compare(image_folder, image, model.cameras.at(image.camera_id), poses, cloud, result, rendering);
   });
   std::vector<HeldOutImage> images;
   for (std::optional<HeldOutImage>& image : compared) {

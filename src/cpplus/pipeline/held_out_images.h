@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "cpplus/cloud/voxel_map.h"
 #include "cpplus/geometry/sparse_model.h"
+#include "cpplus/pipeline/drawn_points.h"
 #include "cpplus/report/colorize_report.h"
 
 namespace cpplus {
@@ -25,10 +25,10 @@ struct HeldOutRendering {
 
 /// Renders the coloured cloud from the pose that `poses` has for each held-out image (by name), darkens the corners as
 /// its camera does (result.vignetting), and compares it with the photo. Images that cannot be read, are of another size
-/// than their camera, or without a pose are left out with a warning. `model` gives the cameras; `map` is of the cloud.
+/// than their camera, or without a pose are left out with a warning. `model` gives the cameras.
 std::vector<HeldOutImage> compare_held_out(const std::string& image_folder, const SparseModel& model,
                                            const std::vector<size_t>& held_out, const SparseModel& poses,
-                                           const VoxelMap& map, const ColorizeResult& result,
+                                           const ColoredCloud& cloud, const ColorizeResult& result,
                                            const HeldOutRendering& rendering);
 
 }  // namespace cpplus

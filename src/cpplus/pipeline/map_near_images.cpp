@@ -22,23 +22,28 @@ size_t num_points_in(const VoxelMap& map, const std::vector<uint32_t>& roots) {
 
 }  // namespace
 
+std::vector<uint32_t> roots_near_places(const VoxelMap& map, const std::vector<Eigen::Vector3d>& places,
+                                        double reach_m) {
+  std::vector<uint32_t> roots = roots_near(map, places, reach_m);
+  const size_t num_near = num_points_in(map, roots);
+  if (static_cast<double>(num_near) > kMostWorthACopy * static_cast<double>(map.num_points())) {
+    roots.resize(map.num_nodes(0));
+    std::iota(roots.begin(), roots.end(), 0u);
+  } else {
+    log_info(
+        fmt::format("{} of the map's {} points lie within {:.0f} m of an image", num_near, map.num_points(), reach_m));
+  }
+  return roots;
+}
+
 NearMap map_near_places(const std::string& path, const PointMap& points, const std::vector<Eigen::Vector3d>& places,
                         double reach_m) {
   NearMap near;
-  near.roots = roots_near(points.map, places, reach_m);
-  const size_t num_points = points.map.num_points();
-  const size_t num_near = num_points_in(points.map, near.roots);
-  if (static_cast<double>(num_near) > kMostWorthACopy * static_cast<double>(num_points)) {
-    near.roots.resize(points.map.num_nodes(0));
-    std::iota(near.roots.begin(), near.roots.end(), 0u);
-  }
+  near.roots = roots_near_places(points.map, places, reach_m);
   try {
     near.points = part_of_map(points, near.roots);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: damaged: {}", path, error.what()));
-  }
-  if (near.points.map.num_points() < num_points) {
-    log_info(fmt::format("{} of the map's {} points lie within {:.0f} m of an image", num_near, num_points, reach_m));
   }
   return near;
 }

@@ -16,8 +16,11 @@ struct NearMap {
   std::vector<uint32_t> roots;  // of the map, ascending
 };
 
-/// The roots within reach_m of any of the places (map frame); all of them where these hold most of the map. Throws
-/// Error naming the file `path` of the map where its indices are damaged.
+/// The roots within reach_m of any of the places (map frame), ascending; all of them where these hold most of the map.
+std::vector<uint32_t> roots_near_places(const VoxelMap& map, const std::vector<Eigen::Vector3d>& places,
+                                        double reach_m);
+
+/// The part of these roots. Throws Error naming the file `path` of the map where its indices are damaged.
 NearMap map_near_places(const std::string& path, const PointMap& points, const std::vector<Eigen::Vector3d>& places,
                         double reach_m);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "cpplus/core/error.h"
@@ -48,16 +49,23 @@ bool is_behind(const DepthBuffer& surface, const Eigen::Vector2d& pixel, double 
   return farthest > 0.0 && range > farthest + kSurfaceDepthM;
 }
 
+/// Where a point is drawn; nothing where it is not.
+std::optional<Eigen::Vector2d> drawn_pixel(const Eigen::Vector3d& x_in_camera, const DepthBuffer& surface) {
+  const auto pixel = surface.camera.project(x_in_camera);
+  if (!pixel || !surface.camera.in_image(*pixel, -kMaxRadiusPx)) return std::nullopt;
+  if (is_behind(surface, *pixel, x_in_camera.norm())) return std::nullopt;
+  return *pixel;
+}
+
 std::vector<Splat> project_cloud(const PointCloud& cloud, const DepthBuffer& surface, const Rigid3& camera_from_map,
                                  double point_size_m) {
   const Camera& camera = surface.camera;
   std::vector<Splat> splats;
   for (size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3d x_in_camera = camera_from_map * cloud.point(i);
-    const auto pixel = camera.project(x_in_camera);
-    if (!pixel || !camera.in_image(*pixel, -kMaxRadiusPx)) continue;
+    const auto pixel = drawn_pixel(x_in_camera, surface);
+    if (!pixel) continue;
     const double range = x_in_camera.norm();
-    if (is_behind(surface, *pixel, range)) continue;
     const double half_size_px = 0.5 * point_size_m * camera.pixels_per_radian() / range;
     const int radius = static_cast<int>(std::lround(std::min(half_size_px, double{kMaxRadiusPx})));
     splats.push_back({i, pixel->cast<float>(), static_cast<float>(range), radius});
@@ -111,6 +119,10 @@ CloudRendering render_colored_cloud(const PointCloud& cloud, const DepthBuffer& 
     rendering.colored.pixels[i] = is_colored ? 1 : 0;
   }
   return rendering;
+}
+
+bool is_drawn(const Eigen::Vector3d& x_in_camera, const DepthBuffer& surface) {
+  return drawn_pixel(x_in_camera, surface).has_value();
 }
 
 ColorImage render_cloud(const PointCloud& cloud, const DepthBuffer& surface, const Rigid3& camera_from_map,

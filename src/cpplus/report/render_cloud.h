@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include "cpplus/cloud/depth_buffer.h"
 #include "cpplus/cloud/point_cloud.h"
 #include "cpplus/core/image.h"
@@ -21,6 +23,10 @@ struct CloudRendering {
 /// Linear in the points.
 CloudRendering render_colored_cloud(const PointCloud& cloud, const DepthBuffer& surface, const Rigid3& camera_from_map,
                                     double point_size_m);
+
+/// Whether a point (camera frame of `surface`, metres) is drawn there: in the picture or just outside of it, and not
+/// behind the surface. A cloud without its other points gives the same picture.
+bool is_drawn(const Eigen::Vector3d& x_in_camera, const DepthBuffer& surface);
 
 /// Only the picture.
 ColorImage render_cloud(const PointCloud& cloud, const DepthBuffer& surface, const Rigid3& camera_from_map,
