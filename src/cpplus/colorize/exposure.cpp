@@ -295,14 +295,6 @@ void center_gains(const std::vector<uint32_t>& set_of_image, std::vector<ImageEx
 
 }  // namespace
 
-void ExposureObservations::append(const ExposureObservations& others) {
-  const size_t before = observations.size();
-  observations.insert(observations.end(), others.observations.begin(), others.observations.end());
-  for (size_t point = 0; point < others.num_points(); ++point) {
-    point_begin.push_back(before + others.point_begin[point + 1]);
-  }
-}
-
 double log_vignetting(const VignettingCoefficients& coefficients, double radius) {
   const double r2 = radius * radius;
   return r2 * (coefficients[0] + r2 * (coefficients[1] + r2 * coefficients[2]));

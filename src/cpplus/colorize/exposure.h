@@ -34,7 +34,6 @@ struct ExposureObservations {
   std::vector<ExposureObservation> observations;
 
   size_t num_points() const { return point_begin.size() - 1; }
-  void append(const ExposureObservations& others);
 };
 
 /// Coefficients of r^2, r^4 and r^6.

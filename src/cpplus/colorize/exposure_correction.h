@@ -39,6 +39,7 @@ void add_exposure_observations(const ColorSamples& samples, size_t begin, size_t
 /// Divides gain and vignetting out of samples, in linear light.
 class ExposureCorrection {
  public:
+  ExposureCorrection() = default;  // of no images
   ExposureCorrection(const ExposureModel& model, const std::vector<uint32_t>& camera_of_image);
 
   /// The sample as an image of gain 1 without vignetting shows it; brighter than white stays white.

@@ -206,11 +206,10 @@ TEST(ExposureObservations, AreEvenlyTakenAndTheSameInParts) {
   ASSERT_EQ(whole.num_points(), 20000u);
   const size_t first = count_exposure_candidates(samples, 0, kBorder);
   const ExposureChoice choice(first + count_exposure_candidates(samples, kBorder, kNumPoints), 2);
-  ExposureObservations parts, second;
+  ExposureObservations parts;
   add_exposure_observations(samples, 0, kBorder, 0, choice, &parts);
   EXPECT_NEAR(static_cast<double>(parts.num_points()), 20000.0 * kBorder / kNumPoints, 2.0);
-  add_exposure_observations(samples, kBorder, kNumPoints, first, choice, &second);
-  parts.append(second);
+  add_exposure_observations(samples, kBorder, kNumPoints, first, choice, &parts);
   EXPECT_EQ(parts.point_begin, whole.point_begin);
   ASSERT_EQ(parts.observations.size(), whole.observations.size());
   for (size_t i = 0; i < whole.observations.size(); ++i) {

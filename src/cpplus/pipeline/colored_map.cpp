@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "cpplus/core/parallel.h"
 #include "cpplus/io/ordered_points.h"
 #include "cpplus/io/point_cloud_io.h"
 
@@ -24,15 +25,26 @@ class ColoredBlocks {
   /// Hands blocks of about kBlockPoints points to the order.
   void add_to(OrderedPoints* ordered) {
     const VoxelMap& map = points_.map;
+    uint32_t begin = 0;
     for (uint32_t root = 0; root < map.num_nodes(0); ++root) {
-      const uint32_t end = map.points_end(0, root);
-      add_run(map.points_begin(0, root), end, colors_.read(root));
-      if (end - begin_ >= kBlockPoints || root + 1 == map.num_nodes(0)) flush(end, ordered);
+      if (map.points_end(0, root) - map.points_begin(0, begin) < kBlockPoints && root + 1 < map.num_nodes(0)) continue;
+      add_roots(begin, root + 1);
+      flush(map.points_end(0, root), ordered);
+      begin = root + 1;
     }
   }
 
  private:
   static constexpr uint32_t kBlockPoints = 1 << 16;
+
+  void add_roots(uint32_t begin, uint32_t end) {
+    std::vector<std::vector<ColoredPoint>> colored(end - begin);
+    parallel_for_each(colored.size(),
+                      [&](size_t k) { colored[k] = colors_.of_root(begin + static_cast<uint32_t>(k)); });
+    for (uint32_t root = begin; root < end; ++root) {
+      add_run(points_.map.points_begin(0, root), points_.map.points_end(0, root), colored[root - begin]);
+    }
+  }
 
   /// `colored`: of these points, or empty.
   void add_run(uint32_t begin, uint32_t end, const std::vector<ColoredPoint>& colored) {

@@ -126,15 +126,13 @@ ColorizeSummary run_colorize(const ColorizeCommandOptions& options) {
   const PointMap points = read_map(path, options.voxel_map);
   const double point_size_m = kPointLeaves * points.map.options().leaf_size_m;
   const GrayScale grays(points.intensities);
-  MapColors colors(
-      points.map,
-      roots_near_places(points.map, places_to_look_from(model, held_out_model), options.color.sampling.max_distance_m),
-      options.out);
-  const ColoredCloud cloud{points, colors, grays};
   const ColorImages images{model, split.colored,
                            [&](size_t i) { return read_view(options, model, model.images[i], points.map); }};
-  const auto [result, used] = colorize_in_parts(path, points, images, options.color,
-                                                static_cast<size_t>(options.max_part_points), options.out, &colors);
+  const auto [result, used, colors] = colorize_in_parts(
+      path, points,
+      roots_near_places(points.map, places_to_look_from(model, held_out_model), options.color.sampling.max_distance_m),
+      images, options.color, static_cast<size_t>(options.max_part_points), options.out);
+  const ColoredCloud cloud{points, colors, grays};
   if (used.empty()) throw Error(fmt::format("{}: none of the model's images can be used", options.images));
   if (result.num_colored == 0) {
     throw Error(fmt::format("{}: no image sees a point of {} within {} m; same frame, and metres?", options.poses,

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <memory>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -12,7 +13,6 @@
 #include "cpplus/core/log.h"
 #include "cpplus/core/memory.h"
 #include "cpplus/core/progress.h"
-#include "cpplus/pipeline/sample_file.h"
 
 namespace cpplus {
 namespace {
@@ -112,15 +112,20 @@ void for_each_root(const VoxelMap& map, const MapTile& part, const Visit& visit)
   }
 }
 
-/// Samples of all parts, and how many candidates for the exposure each root of the map has.
-std::vector<uint32_t> collect_all_samples(const std::string& path, const PointMap& points,
-                                          const std::vector<MapTile>& parts, const ColorizeOptions& options,
-                                          const std::vector<std::vector<size_t>>& by_part, ImageList* images,
-                                          SampleFile* file) {
+/// What is known once all samples are taken.
+struct SampleCounts {
+  std::vector<uint32_t> candidates_of_root;  // for the exposure
+  size_t num_colored = 0;                    // points with samples
+};
+
+SampleCounts collect_all_samples(const std::string& path, const PointMap& points, const std::vector<MapTile>& parts,
+                                 const ColorizeOptions& options, const std::vector<std::vector<size_t>>& by_part,
+                                 ImageList* images, SampleFile* file) {
   size_t num_reads = 0;
   for (const std::vector<size_t>& some : by_part) num_reads += some.size();
   Progress progress("colorize", num_reads);
-  std::vector<uint32_t> num_candidates(points.map.num_nodes(0), 0);
+  SampleCounts counts;
+  counts.candidates_of_root.resize(points.map.num_nodes(0), 0);
   for (size_t p = 0; p < parts.size(); ++p) {
     size_t next = 0;
     const auto next_view = [&]() -> std::optional<ColorView> {
@@ -133,71 +138,56 @@ std::vector<uint32_t> collect_all_samples(const std::string& path, const PointMa
     };
     const ColorSamples samples = collect_color_samples(map_of(path, points, parts[p]), next_view, options);
     for_each_root(points.map, parts[p], [&](uint32_t root, size_t begin, size_t end) {
-      num_candidates[root] = static_cast<uint32_t>(count_exposure_candidates(samples, begin, end));
+      counts.candidates_of_root[root] = static_cast<uint32_t>(count_exposure_candidates(samples, begin, end));
+      for (size_t i = begin; i < end; ++i) counts.num_colored += samples.num_views(i) > 0 ? 1 : 0;
+      file->add(root, samples, begin, end);
     });
-    file->add(samples);
-    return_freed_memory();
   }
-  return num_candidates;
+  return_freed_memory();
+  return counts;
 }
 
 /// Those that collect_exposure_observations() finds in all samples in the order of the map.
-ExposureObservations collect_all_observations(const VoxelMap& map, const std::vector<MapTile>& parts,
-                                              const std::vector<uint32_t>& num_candidates, size_t num_images,
-                                              const std::function<ColorSamples(size_t)>& samples_of) {
-  std::vector<size_t> candidates_before = {0};
-  for (const uint32_t count : num_candidates) candidates_before.push_back(candidates_before.back() + count);
-  const ExposureChoice choice(candidates_before.back(), num_images);
-  std::map<uint32_t, ExposureObservations> of_root;
-  for (size_t p = 0; p < parts.size(); ++p) {
-    const ColorSamples samples = samples_of(p);
-    for_each_root(map, parts[p], [&](uint32_t root, size_t begin, size_t end) {
-      if (num_candidates[root] == 0) return;
-      ExposureObservations some;
-      add_exposure_observations(samples, begin, end, candidates_before[root], choice, &some);
-      if (some.num_points() > 0) of_root.emplace(root, std::move(some));
-    });
+ExposureObservations collect_all_observations(const MapColors& colors,
+                                              const std::vector<uint32_t>& candidates_of_root) {
+  const auto num_candidates = std::accumulate(candidates_of_root.begin(), candidates_of_root.end(), size_t{0});
+  const ExposureChoice choice(num_candidates, colors.images.size());
+  ExposureObservations observations;
+  size_t rank = 0;
+  for (const uint32_t root : colors.roots) {
+    if (candidates_of_root[root] == 0) continue;
+    ColorSamples samples = colors.samples->read(root);
+    samples.renumber_images(colors.image_of_sample);
+    add_exposure_observations(samples, 0, samples.num_points(), rank, choice, &observations);
+    rank += candidates_of_root[root];
   }
-  ExposureObservations all;
-  for (const auto& [root, some] : of_root) all.append(some);
-  return all;
+  return observations;
 }
 
 }  // namespace
 
-PartsColorized colorize_in_parts(const std::string& path, const PointMap& points, const ColorImages& images,
-                                 const ColorizeOptions& options, size_t max_part_points, const std::string& target,
-                                 MapColors* colors) {
+PartsColorized colorize_in_parts(const std::string& path, const PointMap& points, std::vector<uint32_t> roots,
+                                 const ColorImages& images, const ColorizeOptions& options, size_t max_part_points,
+                                 const std::string& target) {
   const VoxelMap& map = points.map;
-  const std::vector<MapTile> parts = divide_roots(map, colors->roots(), max_part_points);
+  PartsColorized colorized;
+  MapColors& colors = colorized.colors;
+  colors.roots = std::move(roots);
+  colors.samples = std::make_unique<SampleFile>(target, map.num_nodes(0), options.max_samples);
+  colors.max_deviation = options.max_deviation;
+  const std::vector<MapTile> parts = divide_roots(map, colors.roots, max_part_points);
   if (parts.size() > 1) log_info(fmt::format("colours in {} parts of the map", parts.size()));
-  SampleFile file(target, options.max_samples);
   ImageList list(images);
-  const std::vector<uint32_t> num_candidates = collect_all_samples(
-      path, points, parts, options, images_by_part(map, parts, images, options.sampling.max_distance_m), &list, &file);
-
-  PartsColorized colorized{{}, list.used()};
+  const SampleCounts counts = collect_all_samples(path, points, parts, options,
+                                                  images_by_part(map, parts, images, options.sampling.max_distance_m),
+                                                  &list, colors.samples.get());
+  colorized.used = list.used();
   ColorizeResult& result = colorized.result;
-  result.images = list.used_images();
-  const std::vector<uint16_t> index_among_used = list.index_among_used();
-  const auto samples_of = [&](size_t part) {
-    ColorSamples samples = file.read(part);
-    samples.renumber_images(index_among_used);
-    return samples;
-  };
-  const ExposureCorrection correction =
-      equalize_exposure(collect_all_observations(map, parts, num_candidates, result.images.size(), samples_of),
-                        options.exposure, &result);
-  for (size_t p = 0; p < parts.size(); ++p) {
-    const std::vector<ColoredPoint> colored =
-        color_points(samples_of(p), correction, result.images, options.max_deviation);
-    result.num_colored += static_cast<size_t>(
-        std::count_if(colored.begin(), colored.end(), [](const ColoredPoint& point) { return point.num_views > 0; }));
-    for_each_root(map, parts[p], [&](uint32_t root, size_t begin, size_t end) {
-      colors->write(root, std::span(colored).subspan(begin, end - begin));
-    });
-  }
-  return_freed_memory();
+  result.num_colored = counts.num_colored;
+  result.images = colors.images = list.used_images();
+  colors.image_of_sample = list.index_among_used();
+  colors.correction =
+      equalize_exposure(collect_all_observations(colors, counts.candidates_of_root), options.exposure, &result);
   return colorized;
 }
 

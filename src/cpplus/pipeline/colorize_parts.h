@@ -24,14 +24,15 @@ struct ColorImages {
 struct PartsColorized {
   ColorizeResult result;     // without the cloud
   std::vector<size_t> used;  // images that gave colours, indices into the model's
+  MapColors colors;
 };
 
-/// Colours the points of colors->roots() as colorize() does, in parts of at most max_part_points points
-/// (cloud/map_tiles.h), one in memory at a time. An image is read once for each part that it can look at. The result is
-/// the same for any parts. Samples wait in a temporary file for `target`. Throws Error where that cannot be written,
-/// and naming the file `path` of the map where its indices are damaged.
-PartsColorized colorize_in_parts(const std::string& path, const PointMap& points, const ColorImages& images,
-                                 const ColorizeOptions& options, size_t max_part_points, const std::string& target,
-                                 MapColors* colors);
+/// Colours the points in some roots (ascending) as colorize() does, taking samples from the images for at most
+/// max_part_points points at a time (cloud/map_tiles.h). An image is read once for each such part that it can look at.
+/// The result is the same for any parts. Samples lie in a temporary file for `target`. Throws Error where that cannot
+/// be written, and naming the file `path` of the map where its indices are damaged.
+PartsColorized colorize_in_parts(const std::string& path, const PointMap& points, std::vector<uint32_t> roots,
+                                 const ColorImages& images, const ColorizeOptions& options, size_t max_part_points,
+                                 const std::string& target);
 
 }  // namespace cpplus

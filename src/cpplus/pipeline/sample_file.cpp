@@ -1,80 +1,61 @@
 #include "cpplus/pipeline/sample_file.h"
 
-#include <algorithm>
+#include <cstring>
 #include <span>
 
 namespace cpplus {
 namespace {
 
-/// Points whose samples are written or read at a time.
-constexpr size_t kBlockPoints = size_t{1} << 16;
-
-/// Of some points: how many views they have, how many samples, and these.
-struct Block {
-  std::vector<uint16_t> num_views;
-  std::vector<uint8_t> num_kept;
-  std::vector<ColorSample> samples;
-
-  Block(const ColorSamples& from, size_t begin, size_t end) {
-    for (size_t point = begin; point < end; ++point) {
-      const std::span<const ColorSample> kept = from.of_point(point);
-      num_views.push_back(from.num_views(point));
-      num_kept.push_back(static_cast<uint8_t>(kept.size()));
-      samples.insert(samples.end(), kept.begin(), kept.end());
-    }
-  }
-  explicit Block(size_t num_points) : num_views(num_points), num_kept(num_points) {}
-
-  void restore(size_t begin, ColorSamples* to) const {
-    size_t next = 0;
-    for (size_t k = 0; k < num_kept.size(); ++k) {
-      to->restore(begin + k, std::span(samples).subspan(next, num_kept[k]), num_views[k]);
-      next += num_kept[k];
-    }
-  }
-  size_t num_samples() const {
-    size_t sum = 0;
-    for (const uint8_t kept : num_kept) sum += kept;
-    return sum;
-  }
-};
-
 template <typename T>
-size_t size_in_bytes(const std::vector<T>& values) {
-  return values.size() * sizeof(T);
+void append(const T* values, size_t count, std::vector<char>* bytes) {
+  const auto* begin = reinterpret_cast<const char*>(values);
+  bytes->insert(bytes->end(), begin, begin + count * sizeof(T));
 }
+
+/// The next of these bytes as values, and moves on.
+template <typename T>
+void take(const char** next, size_t count, T* values) {
+  if (count > 0) std::memcpy(values, *next, count * sizeof(T));
+  *next += count * sizeof(T);
+}
+
+/// Of each point: how many images showed it (uint16), how many samples follow (uint8), and these.
+constexpr size_t kCountBytes = 3;
 
 }  // namespace
 
-void SampleFile::add(const ColorSamples& samples) {
-  parts_.push_back({end_, samples.num_points()});
-  const auto write = [&](const auto& values) {
-    file_.write(end_, values.data(), size_in_bytes(values));
-    end_ += size_in_bytes(values);
-  };
-  for (size_t begin = 0; begin < samples.num_points(); begin += kBlockPoints) {
-    const Block block(samples, begin, std::min(begin + kBlockPoints, samples.num_points()));
-    write(block.num_views);
-    write(block.num_kept);
-    write(block.samples);
+void SampleFile::add(uint32_t root, const ColorSamples& samples, size_t begin, size_t end) {
+  Place place{end_, static_cast<uint32_t>(end - begin), 0};
+  std::vector<char> bytes;
+  for (size_t point = begin; point < end; ++point) {
+    const std::span<const ColorSample> kept = samples.of_point(point);
+    const uint16_t num_views = samples.num_views(point);
+    const auto num_kept = static_cast<uint8_t>(kept.size());
+    append(&num_views, 1, &bytes);
+    append(&num_kept, 1, &bytes);
+    append(kept.data(), kept.size(), &bytes);
+    place.num_samples += static_cast<uint32_t>(kept.size());
   }
+  file_.write(end_, bytes.data(), bytes.size());
+  end_ += bytes.size();
+  places_[root] = place;
 }
 
-ColorSamples SampleFile::read(size_t part) const {
-  const size_t num_points = parts_[part].num_points;
-  ColorSamples samples(num_points, max_samples_);
-  uint64_t offset = parts_[part].offset;
-  const auto read = [&](auto* values) {
-    file_.read(offset, values->data(), size_in_bytes(*values));
-    offset += size_in_bytes(*values);
-  };
-  for (size_t begin = 0; begin < num_points; begin += kBlockPoints) {
-    Block block(std::min(kBlockPoints, num_points - begin));
-    read(&block.num_views);
-    read(&block.num_kept);
-    block.samples.resize(block.num_samples());
-    read(&block.samples);
-    block.restore(begin, &samples);
+ColorSamples SampleFile::read(uint32_t root) const {
+  const Place& place = places_[root];
+  std::vector<char> bytes(kCountBytes * place.num_points + sizeof(ColorSample) * place.num_samples);
+  file_.read(place.offset, bytes.data(), bytes.size());
+  ColorSamples samples(place.num_points, max_samples_);
+  const char* next = bytes.data();
+  std::vector<ColorSample> kept;
+  for (size_t point = 0; point < place.num_points; ++point) {
+    uint16_t num_views = 0;
+    uint8_t num_kept = 0;
+    take(&next, 1, &num_views);
+    take(&next, 1, &num_kept);
+    kept.resize(num_kept);
+    take(&next, num_kept, kept.data());
+    samples.restore(point, kept, num_views);
   }
   return samples;
 }

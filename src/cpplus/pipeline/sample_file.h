@@ -9,26 +9,30 @@
 
 namespace cpplus {
 
-/// The colour samples of the parts of a map in a temporary file: 3 bytes a point and 8 a kept sample.
+/// The colour samples of the points of a map by root, in a temporary file: 3 bytes a point and 8 a kept sample. Reading
+/// is safe from several threads.
 class SampleFile {
  public:
   /// `target`: file that the temporary is for (io/scratch_file.h).
-  SampleFile(const std::string& target, int max_samples) : file_(target), max_samples_(max_samples) {}
+  SampleFile(const std::string& target, size_t num_roots, int max_samples)
+      : file_(target), max_samples_(max_samples), places_(num_roots) {}
 
-  /// Adds the next part. Throws Error where it cannot be written.
-  void add(const ColorSamples& samples);
-  ColorSamples read(size_t part) const;
+  /// Adds a root, whose points are [begin, end) of these. Throws Error where it cannot be written.
+  void add(uint32_t root, const ColorSamples& samples, size_t begin, size_t end);
+  /// Those of the points of a root, in map order; of none where it was not added.
+  ColorSamples read(uint32_t root) const;
 
  private:
-  struct Part {
+  struct Place {
     uint64_t offset = 0;
-    size_t num_points = 0;
+    uint32_t num_points = 0;
+    uint32_t num_samples = 0;
   };
 
   ScratchFile file_;
   int max_samples_;
   uint64_t end_ = 0;
-  std::vector<Part> parts_;
+  std::vector<Place> places_;  // by root
 };
 
 }  // namespace cpplus
