@@ -23,5 +23,22 @@ TEST(ColorSamples, AFullPointKeepsItsHeaviestSamplesAndCountsAllViews) {
   EXPECT_TRUE(samples.of_point(0).empty());
 }
 
+TEST(ColorSamples, TakeTheirNewImagesAndAreRestored) {
+  ColorSamples samples(2, 2);
+  samples.add(0, {{10, 10, 10}, 50, 3, 0});
+  samples.add(1, {{20, 20, 20}, 50, 1, 0});
+  samples.add(1, {{30, 30, 30}, 60, 3, 0});
+  samples.renumber_images(std::vector<uint16_t>{0, 0, 7, 1});
+  EXPECT_EQ(samples.of_point(0)[0].image, 1);
+  EXPECT_EQ(samples.of_point(1)[0].image, 0);
+  EXPECT_EQ(samples.of_point(1)[1].image, 1);
+  ColorSamples restored(2, 2);
+  restored.restore(0, samples.of_point(1), 9);
+  ASSERT_EQ(restored.of_point(0).size(), 2u);
+  EXPECT_EQ(restored.of_point(0)[1].color, (Rgb{30, 30, 30}));
+  EXPECT_EQ(restored.num_views(0), 9);
+  EXPECT_TRUE(restored.of_point(1).empty());
+}
+
 }  // namespace
 }  // namespace cpplus
