@@ -26,7 +26,7 @@ std::vector<std::vector<size_t>> images_by_part(const VoxelMap& map, const std::
     for (const uint32_t root : parts[part].roots) part_of_root[root] = part;
   }
   std::vector<std::vector<size_t>> by_part(parts.size());
-  for (size_t i = 0; i < images.indices.size() && !parts.empty(); ++i) {
+  for (size_t i = 0; i < images.indices.size(); ++i) {
     const PosedImage& image = images.model.images[images.indices[i]];
     const Eigen::Vector3d axis_in_map = image.camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     std::set<uint32_t> looked_at;
@@ -175,7 +175,8 @@ PartsColorized colorize_in_parts(const std::string& path, const PointMap& points
   colors.roots = std::move(roots);
   colors.samples = std::make_unique<SampleFile>(target, map.num_nodes(0), options.max_samples);
   colors.max_deviation = options.max_deviation;
-  const std::vector<MapTile> parts = divide_roots(map, colors.roots, max_part_points);
+  std::vector<MapTile> parts = divide_roots(map, colors.roots, max_part_points);
+  if (parts.empty()) parts.emplace_back();  // nothing is near, but the images are to be read
   if (parts.size() > 1) log_info(fmt::format("colours in {} parts of the map", parts.size()));
   ImageList list(images);
   const SampleCounts counts = collect_all_samples(path, points, parts, options,
