@@ -9,7 +9,7 @@ namespace {
 // Change of the cost below which a pose moves by less than a thirtieth of its standard deviation.
 constexpr double kNoticeableCost = 1e-3;
 // Over so many pixels a projection is as good as linear: what bends is the square of the shift over the focal length.
-constexpr double kLinearShiftPx = 2.0;
+constexpr double kLinearShiftPx = 0.5;
 
 Vector6d minimise_linear(const MatchEquations& equations, const Matrix6d& prior_information, const Vector6d& prior_mean,
                          double loss_scale, int max_iterations, int* iterations) {

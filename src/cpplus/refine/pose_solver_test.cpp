@@ -1,10 +1,13 @@
 #include "cpplus/refine/pose_solver.h"
 
+#include <ceres/tiny_solver.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "cpplus/core/random.h"
 
 namespace cpplus {
 namespace {
@@ -161,9 +164,81 @@ TEST(SolvePose, FindsAPoseThatIsSoFarThatTheProjectionBends) {
     constexpr double kNoLoss = 1e6;
     const PoseSolution solution =
         solve_pose(camera, start, exact_matches(camera, some_pose(), start), wide_guess(start), kNoLoss, 20);
-    // The last shift over which the projection counted as linear leaves about its square over the focal length, 0.01
-    // px.
+    // Well below what the matches, of half a pixel each, leave open.
     EXPECT_LT(camera_difference(some_pose(), solution.camera_from_map).norm(), 2e-4);
+  }
+}
+
+// The robust cost of matches and guess as Ceres wants it, nothing of it linear: residuals whose squares add up to it,
+// and derivatives from differences.
+class ExactResiduals {
+ public:
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 6 };
+
+  ExactResiduals(const Camera& camera, const Rigid3& base, const std::vector<EdgeMatch>& matches,
+                 const PoseGuess& guess, double loss_scale)
+      : camera_(camera), base_(base), matches_(matches), guess_(guess), loss_scale_(loss_scale) {}
+
+  int NumResiduals() const { return static_cast<int>(matches_.size()) + 6; }
+
+  bool operator()(const double* delta, double* residuals, double* jacobian) const {
+    const Eigen::Map<const Vector6d> d(delta);
+    Eigen::Map<Eigen::VectorXd>(residuals, NumResiduals()) = at(d);
+    if (!jacobian) return true;
+    Eigen::Map<Eigen::MatrixXd> j(jacobian, NumResiduals(), 6);
+    for (int k = 0; k < 6; ++k) j.col(k) = (at(d + 1e-6 * Vector6d::Unit(k)) - at(d - 1e-6 * Vector6d::Unit(k))) / 2e-6;
+    return true;
+  }
+
+ private:
+  Eigen::VectorXd at(const Vector6d& delta) const {
+    const Rigid3 pose = perturb_camera(base_, delta);
+    Eigen::VectorXd r(NumResiduals());
+    for (size_t i = 0; i < matches_.size(); ++i) {
+      const EdgeMatch& m = matches_[i];
+      const double residual = m.normal.dot(camera_.project(pose * m.x_in_map).value() - m.pixel);
+      r(static_cast<Eigen::Index>(i)) =
+          std::copysign(std::sqrt(2.0 * half_cost(m, camera_, pose, loss_scale_)), residual);
+    }
+    r.tail<6>() = camera_difference(guess_.camera_from_map, pose).cwiseQuotient(guess_.sigmas());
+    return r;
+  }
+
+  const Camera& camera_;
+  const Rigid3 base_;
+  const std::vector<EdgeMatch>& matches_;
+  const PoseGuess guess_;
+  double loss_scale_;
+};
+
+TEST(SolvePose, FindsWhatCeresFinds) {
+  for (const auto& [name, camera] : cameras()) {
+    SCOPED_TRACE(name);
+    Vector6d off;
+    off << 0.01, -0.008, 0.012, 0.02, 0.03, -0.02;
+    const Rigid3 start = perturb_camera(some_pose(), off);
+    std::vector<EdgeMatch> matches = exact_matches(camera, some_pose(), start);
+    Random random(3);
+    for (size_t i = 0; i < matches.size(); ++i) {
+      matches[i].pixel += Eigen::Vector2d(random.normal(), random.normal()) * (i % 8 == 0 ? 6.0 : 0.5);
+    }
+    Vector6d sigmas;
+    sigmas << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.1);
+    const PoseGuess guess(start, sigmas);
+    ceres::TinySolver<ExactResiduals> ceres;
+    Vector6d delta = Vector6d::Zero();
+    ceres.options.max_num_iterations = 100;
+    ceres.Solve(ExactResiduals(camera, start, matches, guess, 1.5), &delta);
+    const Rigid3 expected = perturb_camera(start, delta);
+    const Rigid3 found = solve_pose(camera, start, matches, guess, 1.5, 50).camera_from_map;
+    // Within a few percent of the standard deviations, at which our solver stops.
+    const Vector6d difference = camera_difference(expected, found);
+    Matrix6d information = guess.covariance.inverse();
+    Vector6d gradient = Vector6d::Zero();
+    MatchEquations(matches, camera, found).add_normal_equations(Vector6d::Zero(), 1.5, &information, &gradient);
+    EXPECT_LT(std::sqrt(difference.dot(information * difference)), 0.1);
+    EXPECT_GT(camera_difference(start, found).norm(), 0.02);
   }
 }
 
