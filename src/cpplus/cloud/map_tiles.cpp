@@ -94,14 +94,4 @@ std::vector<uint32_t> roots_around(const VoxelMap& map, const MapTile& tile, dou
   return roots;
 }
 
-std::pair<uint32_t, uint32_t> leaves_of_root(const VoxelMap& map, uint32_t root) {
-  uint32_t begin = root;
-  uint32_t end = root + 1;
-  for (int layer = 0; layer < map.leaf_layer(); ++layer) {
-    begin = map.children_begin(layer, begin);
-    end = map.children_begin(layer, end);
-  }
-  return {begin, end};
-}
-
 }  // namespace cpplus

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "cpplus/cloud/voxel_map.h"
@@ -26,8 +25,5 @@ std::vector<MapTile> divide_roots(const VoxelMap& map, std::vector<uint32_t> roo
 
 /// The roots of a tile and those within halo_m of their bounding box, ascending.
 std::vector<uint32_t> roots_around(const VoxelMap& map, const MapTile& tile, double halo_m);
-
-/// [begin, end) of the leaves in a root.
-std::pair<uint32_t, uint32_t> leaves_of_root(const VoxelMap& map, uint32_t root);
 
 }  // namespace cpplus

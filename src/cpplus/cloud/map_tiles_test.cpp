@@ -69,13 +69,5 @@ TEST(MapTiles, RootsAroundAreThoseWithinTheHalo) {
   }
 }
 
-TEST(MapTiles, LeavesOfRootsFollowEachOther) {
-  PointCloud cloud;
-  cloud.positions = {{0.1f, 0.1f, 0.1f}, {1.9f, 0.1f, 0.1f}, {1.91f, 0.1f, 0.1f}, {2.1f, 0.1f, 0.1f}};
-  const VoxelMap map(cloud, {});
-  EXPECT_EQ(leaves_of_root(map, 0), std::pair(0u, 2u));
-  EXPECT_EQ(leaves_of_root(map, 1), std::pair(2u, 3u));
-}
-
 }  // namespace
 }  // namespace cpplus

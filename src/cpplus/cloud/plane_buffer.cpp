@@ -29,14 +29,17 @@ bool PlaneBuffer::is_visible(const Eigen::Vector3d& x_in_map, const Eigen::Vecto
   return false;
 }
 
-double PlaneBuffer::range_of(const MapPlane& plane_instance, const Eigen::Vector2d& pixel) const {
+double PlaneBuffer::range_along(const MapPlane& plane_instance, const Eigen::Vector3d& bearing) const {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const auto bearing = camera.unproject(pixel);
-  if (!bearing) return kNan;
-  const double slope = plane_instance.normal.dot(camera_from_map.rotation.conjugate() * *bearing);
+  const double slope = plane_instance.normal.dot(camera_from_map.rotation.conjugate() * bearing);
   if (std::abs(slope) < 1e-6) return kNan;
   const double range = -plane_instance.signed_distance(camera_center(camera_from_map)) / slope;
   return range > 0 ? range : kNan;
+}
+
+double PlaneBuffer::range_of(const MapPlane& plane_instance, const Eigen::Vector2d& pixel) const {
+  const auto bearing = camera.unproject(pixel);
+  return bearing ? range_along(plane_instance, *bearing) : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cpplus

@@ -21,8 +21,8 @@ struct PlaneBuffer {
   Rigid3 camera_from_map;
   double cell_px = 4.0;
   Image<int32_t> plane;  // per cell: index of the plane instance, or kNone
-  /// Per cell: what the range of its plane does not exceed there, metres; the largest float without a plane. Empty where
-  /// nothing is known.
+  /// Per cell: what the range of its plane does not exceed there, metres; the largest float without a plane. Empty
+  /// where nothing is known.
   RangeImage range_bound;
   const std::vector<MapPlane>* planes = nullptr;
 
@@ -33,7 +33,9 @@ struct PlaneBuffer {
   /// them shows no plane that has the camera on one side and the point more than margin_m beyond it.
   bool is_visible(const Eigen::Vector3d& x_in_map, const Eigen::Vector2d& pixel, double margin_m) const;
 
-  /// Range along the bearing of `pixel` at which the given plane is met, metres; NaN where it is not.
+  /// Range along a bearing (unit, camera frame) at which the given plane is met, metres; NaN where it is not.
+  double range_along(const MapPlane& plane_instance, const Eigen::Vector3d& bearing) const;
+  /// The same along the bearing of `pixel`.
   double range_of(const MapPlane& plane_instance, const Eigen::Vector2d& pixel) const;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/colorize/cell_bearings.h"
 #include "cpplus/colorize/robust_color.h"
 #include "cpplus/colorize/surface_normals.h"
@@ -22,13 +23,9 @@ namespace {
 void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32_t root, const Rigid3& camera_from_map,
                       const TangentBox& box, const ViewSampler& sampler, uint16_t image, ColorSamples* samples) {
   const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
-  uint32_t begin = root, end = root + 1;
-  for (int layer = 0; layer < normals.layer; ++layer) {
-    begin = map.children_begin(layer, begin);
-    end = map.children_begin(layer, end);
-  }
+  const NodeRange nodes = descendants_of(map, 0, root, normals.layer);
   const auto node_diagonal_m = static_cast<float>(std::sqrt(3.0) * map.voxel_size(normals.layer));
-  for (uint32_t node = begin; node < end; ++node) {
+  for (uint32_t node = nodes.begin; node < nodes.end; ++node) {
     const Eigen::Vector3d normal_in_camera = rotation * normals.of_node[node].cast<double>();
     const size_t points_begin = map.points_begin(normals.layer, node);
     const size_t points_end = map.points_end(normals.layer, node);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/scan_hits.h"
 
@@ -45,7 +46,7 @@ void set_normals(const VoxelMap& map, int layer, LeafSurfaces* surfaces) {
       const VoxelStatistics points = map.statistics(layer, node);
       const auto patch = patch_of(points.count, points.mean - map.origin(), points.covariance);
       if (!patch) continue;
-      const LeafRange leaves = leaves_of(map, layer, node);
+      const NodeRange leaves = leaves_of(map, layer, node);
       for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
         const float distance = patch->normal.dot(surfaces->means[leaf] - patch->mean);
         if (std::abs(distance) < kMaxDistance) surfaces->normals[leaf] = patch->normal;
@@ -68,14 +69,6 @@ std::optional<SurfacePatch> fit_patch(const std::vector<Vector3f>& points) {
   const auto count = static_cast<double>(points.size());
   const Eigen::Vector3d mean = sum / count;
   return patch_of(points.size(), points.front().cast<double>() + mean, products / count - mean * mean.transpose());
-}
-
-LeafRange leaves_of(const VoxelMap& map, int layer, uint32_t node) {
-  LeafRange range{node, node + 1};
-  for (; layer < map.leaf_layer(); ++layer) {
-    range = {map.children_begin(layer, range.begin), map.children_begin(layer, range.end)};
-  }
-  return range;
 }
 
 LeafSurfaces measure_leaf_surfaces(const VoxelMap& map, const ScanSet& scans) {

@@ -28,11 +28,4 @@ struct SurfacePatch {
 /// The plane through some points, where they are one: more than a line, and thin.
 std::optional<SurfacePatch> fit_patch(const std::vector<Eigen::Vector3f>& points);
 
-/// [begin, end) of the leaves in a node.
-struct LeafRange {
-  uint32_t begin = 0;
-  uint32_t end = 0;
-};
-LeafRange leaves_of(const VoxelMap& map, int layer, uint32_t node);
-
 }  // namespace cpplus

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
 #include "cpplus/dynamics/near_nodes.h"
@@ -89,7 +90,7 @@ std::vector<uint8_t> vote_with_neighbors(const VoxelMap& map, const std::vector<
     });
   };
   over_nodes([&](uint32_t node) {
-    const LeafRange leaves = leaves_of(map, layer, node);
+    const NodeRange leaves = leaves_of(map, layer, node);
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) votes[node].add(first[leaf], num_hits[leaf]);
   });
   // Only around dynamic leaves can there be any: most nodes need not be looked at.
@@ -103,7 +104,7 @@ std::vector<uint8_t> vote_with_neighbors(const VoxelMap& map, const std::vector<
     std::vector<uint32_t> neighbors;
     map.neighbors(layer, node, false, &neighbors);
     for (const uint32_t neighbor : neighbors) around.add(votes[neighbor]);
-    const LeafRange leaves = leaves_of(map, layer, node);
+    const NodeRange leaves = leaves_of(map, layer, node);
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
       labels[leaf] = revised(first[leaf], num_hits[leaf], num_through[leaf], around, options);
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/scan_hits.h"
 
@@ -23,7 +24,7 @@ class ScanCollector {
     members_.clear();
   }
 
-  void add_leaves_off_planes(const LeafRange& leaves) {
+  void add_leaves_off_planes(const NodeRange& leaves) {
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
       if (surfaces_.normals[leaf].isZero(0.0f)) add(leaf);
     }
@@ -55,7 +56,7 @@ std::vector<uint32_t> count_region_hits(const VoxelMap& map, const ScanSet& scan
     ScanCollector around(map, scan_of_point, scans.num_scans(), surfaces);
     std::vector<uint32_t> neighbors;
     for (auto node = static_cast<uint32_t>(begin); node < end; ++node) {
-      const LeafRange leaves = leaves_of(map, layer, node);
+      const NodeRange leaves = leaves_of(map, layer, node);
       const auto is_any = [&](const std::vector<uint8_t>& is) {
         return std::any_of(is.begin() + leaves.begin, is.begin() + leaves.end,
                            [](uint8_t value) { return value != 0; });

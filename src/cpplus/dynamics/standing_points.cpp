@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
 #include "cpplus/dynamics/near_nodes.h"
@@ -40,7 +41,7 @@ class StandingPoints {
 
   size_t label_in_node(uint32_t node) const {
     const std::vector<uint32_t> visitors = scans_of_dynamic_leaves_around(node);
-    const LeafRange leaves = leaves_of(map_, layer_, node);
+    const NodeRange leaves = leaves_of(map_, layer_, node);
     size_t count = 0;
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
       if (leaf_labels_[leaf] == 0) count += label_in_leaf(leaf, visitors);
@@ -50,7 +51,7 @@ class StandingPoints {
 
  private:
   bool has_dynamic(uint32_t node) const {
-    const LeafRange leaves = leaves_of(map_, layer_, node);
+    const NodeRange leaves = leaves_of(map_, layer_, node);
     return std::find(leaf_labels_.begin() + leaves.begin, leaf_labels_.begin() + leaves.end, 1) !=
            leaf_labels_.begin() + leaves.end;
   }
@@ -73,7 +74,7 @@ class StandingPoints {
   }
 
   template <typename Visit>
-  void for_each_point(const LeafRange& leaves, const Visit& visit) const {
+  void for_each_point(const NodeRange& leaves, const Visit& visit) const {
     const uint32_t end = map_.points_begin(map_.leaf_layer(), leaves.end);
     for (uint32_t i = map_.points_begin(map_.leaf_layer(), leaves.begin); i < end; ++i) {
       visit(i, scan_of_point_(map_.input_index(i)));
@@ -86,7 +87,7 @@ class StandingPoints {
     nodes.push_back(node);
     std::vector<uint32_t> scans;
     for (const uint32_t near : nodes) {
-      const LeafRange leaves = leaves_of(map_, layer_, near);
+      const NodeRange leaves = leaves_of(map_, layer_, near);
       for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
         if (leaf_labels_[leaf] == 0) continue;
         for_each_scan_of_leaf(map_, scan_of_point_, leaf, [&](uint32_t scan, uint32_t) { scans.push_back(scan); });

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace cpplus {
@@ -92,11 +93,10 @@ TangentFit fit_tangent(const std::vector<RangeSample>& samples) {
   return fit;
 }
 
-std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, const RangeRaster& raster,
-                                          const Eigen::Vector2d& pixel, double radius_px) {
+std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, std::vector<RangeSample> samples,
+                                          const Eigen::Vector2d& pixel) {
   const auto bearing = planes.camera.unproject(pixel);
   if (!bearing) return std::nullopt;
-  std::vector<RangeSample> samples = ranges_around(planes.camera, raster, pixel, radius_px);
   if (samples.size() < kMinSamples) return std::nullopt;
   TangentFit fit = fit_tangent(samples);
   const size_t num_before = samples.size();
@@ -118,22 +118,19 @@ std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, const Range
   return surface;
 }
 
-// Whether the points in view lie on the plane; where there are none, the surface drawn around them must.
-bool lies_on(const MapPlane& plane, const PlaneBuffer& planes, const RangeRaster& raster, const Eigen::Vector2d& pixel,
-             double radius_px) {
-  const Eigen::Vector3d center = camera_center(planes.camera_from_map);
-  const Eigen::Matrix3d map_from_camera = planes.camera_from_map.rotation.conjugate().toRotationMatrix();
+// Whether the points in view lie on the plane, which the pixel's ray meets at that range; where there are none, the
+// surface drawn around them must.
+bool lies_on(const MapPlane& plane, double range_m, const PlaneBuffer& planes, const std::vector<RangeSample>& samples,
+             const RangeRaster& raster, const Eigen::Vector2d& pixel) {
   double sum = 0.0;
   double count = 0.0;
-  for (const RangeSample& s : ranges_around(planes.camera, raster, pixel, radius_px)) {
-    const double range = plane.normal.dot(plane.centroid - center) / plane.normal.dot(map_from_camera * s.bearing);
-    sum += s.num_points * (s.range - range);
+  for (const RangeSample& s : samples) {
+    sum += s.num_points * (s.range - planes.range_along(plane, s.bearing));
     count += s.num_points;
   }
-  const double range = planes.range_of(plane, pixel);
-  if (count > 0.0) return std::abs(sum / count) <= kOnPlaneM + kOnPlaneRatio * range;
+  if (count > 0.0) return std::abs(sum / count) <= kOnPlaneM + kOnPlaneRatio * range_m;
   const double nearest = static_cast<double>(raster.range_at(raster.cell_of(pixel.cast<float>())));
-  return nearest <= 0.0 || nearest < range + margin_at(range);
+  return nearest <= 0.0 || nearest < range_m + margin_at(range_m);
 }
 
 }  // namespace
@@ -145,18 +142,17 @@ bool is_seen(const RangeRaster& raster, const Eigen::Vector2d& pixel, double ran
 
 std::optional<PatchSurface> surface_under(const PlaneBuffer& planes, const RangeRaster& raster,
                                           const Eigen::Vector2d& pixel, double radius_px) {
+  std::vector<RangeSample> samples = ranges_around(planes.camera, raster, pixel, radius_px);
   const int32_t id = one_plane(planes, pixel, radius_px);
   if (id != PlaneBuffer::kNone) {
     PatchSurface surface;
     surface.plane_id = id;
     surface.plane = (*planes.planes)[static_cast<size_t>(id)];
     surface.range_sigma_m = kMapSigmaM;
-    if (is_seen(raster, pixel, planes.range_of(surface.plane, pixel)) &&
-        lies_on(surface.plane, planes, raster, pixel, radius_px)) {
-      return surface;
-    }
+    const double range = planes.range_of(surface.plane, pixel);
+    if (is_seen(raster, pixel, range) && lies_on(surface.plane, range, planes, samples, raster, pixel)) return surface;
   }
-  return tangent_under(planes, raster, pixel, radius_px);
+  return tangent_under(planes, std::move(samples), pixel);
 }
 
 }  // namespace cpplus

@@ -115,9 +115,9 @@ void PcdWriter::add(const PointCloud& block) {
 
 void PcdWriter::commit() {
   if (!layout_) layout_ = layout_of({});
-  const size_t room = room_for_header(*layout_).size();
+  const size_t padding = room_for_header(*layout_).size() - header_text(*layout_, num_points_).size();
   file_.stream().seekp(0);
-  file_.stream() << header_text(*layout_, num_points_, room - header_text(*layout_, num_points_).size());
+  file_.stream() << header_text(*layout_, num_points_, padding);
   file_.commit();
 }
 

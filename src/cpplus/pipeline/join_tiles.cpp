@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/pipeline/join_tile_edges.h"
 #include "cpplus/pipeline/join_tile_planes.h"
 
@@ -11,8 +12,8 @@ namespace {
 
 /// A root that is looked at.
 struct NearRoot {
-  std::pair<uint32_t, uint32_t> leaves;  // of the map
-  uint32_t first_leaf = 0;               // of the map of these roots
+  NodeRange leaves;         // of the map
+  uint32_t first_leaf = 0;  // of the map of these roots
   size_t tile = 0;
   size_t first_spacing = 0;  // in the tile's
 };
@@ -23,18 +24,18 @@ std::vector<NearRoot> find_near_roots(const VoxelMap& map, const std::vector<uin
   for (size_t t = 0; t < tiles.size(); ++t) {
     size_t first_spacing = 0;
     for (const uint32_t root : tiles[t]->roots) {
-      const auto leaves = leaves_of_root(map, root);
+      const NodeRange leaves = leaves_of(map, 0, root);
       const auto it = std::lower_bound(roots.begin(), roots.end(), root);
       if (it != roots.end() && *it == root) {
         near[static_cast<size_t>(it - roots.begin())] = {leaves, 0, t, first_spacing};
       }
-      first_spacing += leaves.second - leaves.first;
+      first_spacing += leaves.size();
     }
   }
   uint32_t num_leaves = 0;
   for (NearRoot& root : near) {
     root.first_leaf = num_leaves;
-    num_leaves += root.leaves.second - root.leaves.first;
+    num_leaves += root.leaves.size();
   }
   return near;
 }
@@ -48,12 +49,12 @@ void add_planes(const JoinedPlanes& joined, const std::vector<NearRoot>& roots,
   for (const NearRoot& root : roots) {
     const std::vector<PlanePatch>& patches = features[root.tile].patches;
     const auto is_before = [](const PlanePatch& patch, uint32_t leaf) { return patch.leaf < leaf; };
-    auto patch = std::lower_bound(patches.begin(), patches.end(), root.leaves.first, is_before);
-    for (; patch != patches.end() && patch->leaf < root.leaves.second; ++patch) {
+    auto patch = std::lower_bound(patches.begin(), patches.end(), root.leaves.begin, is_before);
+    for (; patch != patches.end() && patch->leaf < root.leaves.end; ++patch) {
       const int32_t plane = joined.number_of[root.tile][static_cast<size_t>(patch->plane)];
       is_seen[static_cast<size_t>(plane)] = 1;
       if (joined.planes[static_cast<size_t>(plane)].num_points < min_points) continue;
-      surface.leaves.push_back(patch->leaf - root.leaves.first + root.first_leaf);
+      surface.leaves.push_back(patch->leaf - root.leaves.begin + root.first_leaf);
       surface.plane_of.push_back(plane);
       surface.centers.push_back(patch->center);
     }
@@ -80,7 +81,7 @@ MapFeatures join_tiles(const VoxelMap& map, const VoxelMap& near, const std::vec
   result.edges = join_tile_edges(tiles, features);
   for (const NearRoot& root : near_roots) {
     const auto spacing = features[root.tile].leaf_spacing.begin() + static_cast<std::ptrdiff_t>(root.first_spacing);
-    result.leaf_spacing.insert(result.leaf_spacing.end(), spacing, spacing + (root.leaves.second - root.leaves.first));
+    result.leaf_spacing.insert(result.leaf_spacing.end(), spacing, spacing + root.leaves.size());
   }
   return result;
 }

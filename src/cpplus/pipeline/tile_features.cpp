@@ -5,6 +5,7 @@
 
 #include "cpplus/cloud/map_part.h"
 #include "cpplus/cloud/moments.h"
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/memory.h"
 
 namespace cpplus {
@@ -18,7 +19,7 @@ constexpr size_t kMostNoiseRoots = 2048;
 /// A root of the tile or around it.
 struct PartRoot {
   uint32_t first_leaf_in_map;
-  std::pair<uint32_t, uint32_t> leaves;  // of the part
+  NodeRange leaves;  // of the part
   bool is_own;
 };
 
@@ -27,7 +28,7 @@ std::vector<PartRoot> roots_of_part(const VoxelMap& map, const VoxelMap& part, c
   std::vector<PartRoot> result;
   result.reserve(roots.size());
   for (uint32_t r = 0; r < roots.size(); ++r) {
-    result.push_back({leaves_of_root(map, roots[r]).first, leaves_of_root(part, r),
+    result.push_back({leaves_of(map, 0, roots[r]).begin, leaves_of(part, 0, r),
                       std::binary_search(tile.roots.begin(), tile.roots.end(), roots[r])});
   }
   return result;
@@ -40,8 +41,8 @@ std::vector<int32_t> add_planes(const MapFeatures& found, const std::vector<Part
   for (const MapPlane& plane : found.planes.planes) own.emplace_back(plane.centroid);
   for (const PartRoot& root : roots) {
     if (!root.is_own) continue;
-    const uint32_t end = part.points_begin(part.leaf_layer(), root.leaves.second);
-    for (uint32_t i = part.points_begin(part.leaf_layer(), root.leaves.first); i < end; ++i) {
+    const uint32_t end = part.points_begin(part.leaf_layer(), root.leaves.end);
+    for (uint32_t i = part.points_begin(part.leaf_layer(), root.leaves.begin); i < end; ++i) {
       const int32_t id = found.planes.plane_of_point[i];
       if (id >= 0) own[static_cast<size_t>(id)].add(part.point(i));
       ++tile->num_points;
@@ -62,13 +63,13 @@ void add_patches(const MapFeatures& found, const std::vector<PartRoot>& roots, c
   auto root = roots.begin();
   for (size_t k = 0; k < surface.leaves.size(); ++k) {
     const uint32_t leaf = surface.leaves[k];
-    while (leaf >= root->leaves.second) ++root;
+    while (leaf >= root->leaves.end) ++root;
     const int32_t plane = new_id[static_cast<size_t>(surface.plane_of[k])];
     if (plane < 0) continue;
     const bool is_near =
         root->is_own || box.exteriorDistance(found.map.center(found.map.leaf_layer(), leaf)) <= kPatchesAroundM;
     if (!is_near) continue;
-    const uint32_t leaf_in_map = root->first_leaf_in_map + (leaf - root->leaves.first);
+    const uint32_t leaf_in_map = root->first_leaf_in_map + (leaf - root->leaves.begin);
     (root->is_own ? tile->patches : tile->patches_around).push_back({leaf_in_map, plane, surface.centers[k]});
   }
 }
@@ -111,7 +112,7 @@ TileFeatures find_tile_features(const PointMap& points, const MapTile& tile, dou
   for (const PartRoot& root : roots) {
     if (!root.is_own) continue;
     const auto spacing = found.leaf_spacing.begin();
-    result.leaf_spacing.insert(result.leaf_spacing.end(), spacing + root.leaves.first, spacing + root.leaves.second);
+    result.leaf_spacing.insert(result.leaf_spacing.end(), spacing + root.leaves.begin, spacing + root.leaves.end);
   }
   return_freed_memory();
   return result;

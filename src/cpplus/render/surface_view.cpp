@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
 
@@ -40,13 +41,8 @@ class DiscProjector {
         wraps_(camera.model() == CameraModel::kEquirectangular) {}
 
   void add_root(uint32_t root, std::vector<Disc>* discs) const {
-    uint32_t leaf = root;
-    uint32_t end = root + 1;
-    for (int layer = 0; layer < map_.leaf_layer(); ++layer) {
-      leaf = map_.children_begin(layer, leaf);
-      end = map_.children_begin(layer, end);
-    }
-    for (; leaf < end; ++leaf) {
+    const NodeRange leaves = leaves_of(map_, 0, root);
+    for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
       const float spacing = discs_.leaf_spacing_m[leaf];
       if (!std::isfinite(spacing)) continue;
       const uint32_t points_end = map_.points_end(map_.leaf_layer(), leaf);

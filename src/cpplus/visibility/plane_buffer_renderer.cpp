@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "cpplus/cloud/map_tiles.h"
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/geometry/tangent_box.h"
 #include "cpplus/visibility/range_keys.h"
 
@@ -161,7 +161,7 @@ PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& pl
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   for (const uint32_t root :
        map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), options.max_distance_m)) {
-    const auto [leaf_begin, leaf_end] = leaves_of_root(map, root);
+    const auto [leaf_begin, leaf_end] = leaves_of(map, 0, root);
     const auto first = std::lower_bound(surface.leaves.begin(), surface.leaves.end(), leaf_begin);
     const auto last = std::lower_bound(first, surface.leaves.end(), leaf_end);
     drawer.draw(static_cast<size_t>(first - surface.leaves.begin()),

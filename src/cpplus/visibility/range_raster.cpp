@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/vector_clones.h"
 #include "cpplus/geometry/tangent_box.h"
 #include "cpplus/visibility/hidden_ranges.h"
@@ -133,8 +134,8 @@ class PointProjector {
         leaf_diagonal_(static_cast<float>(std::sqrt(3.0) * map.options().leaf_size_m)),
         points_(*points) {}
 
-  void add_leaves(uint32_t leaf, uint32_t end) {
-    for (const uint32_t seen : leaves_in_view(leaf, end)) {
+  void add_leaves(const NodeRange& leaves) {
+    for (const uint32_t seen : leaves_in_view(leaves)) {
       add_points(map_.points_begin(map_.leaf_layer(), seen), map_.points_end(map_.leaf_layer(), seen),
                  leaf_spacing_[seen]);
     }
@@ -143,10 +144,10 @@ class PointProjector {
 
  private:
   // Those that the image may show, told by their first points.
-  const std::vector<uint32_t>& leaves_in_view(uint32_t leaf, uint32_t end) {
+  const std::vector<uint32_t>& leaves_in_view(const NodeRange& leaves) {
     leaves_.clear();
     x_in_camera_.clear();
-    for (; leaf < end; ++leaf) {
+    for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
       if (!std::isfinite(leaf_spacing_[leaf])) continue;
       const Eigen::Vector3f first = in_camera(map_.points_begin(map_.leaf_layer(), leaf));
       if (box_.excludes(first, leaf_diagonal_) || first.norm() > max_range_ + leaf_diagonal_) continue;
@@ -224,13 +225,7 @@ std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vecto
   const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   for (const uint32_t root :
        map.roots_in_frustum(camera_center(camera_from_map), axis, planes.camera.max_view_angle(), max_distance_m)) {
-    uint32_t leaf = root;
-    uint32_t end = root + 1;
-    for (int layer = 0; layer < map.leaf_layer(); ++layer) {
-      leaf = map.children_begin(layer, leaf);
-      end = map.children_begin(layer, end);
-    }
-    projector.add_leaves(leaf, end);
+    projector.add_leaves(leaves_of(map, 0, root));
   }
   return points;
 }
