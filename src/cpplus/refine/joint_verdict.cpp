@@ -19,9 +19,12 @@ constexpr double kPlacedByOthers = 0.8;
 constexpr double kMinLogRatioOfPlaced = 20.0;
 constexpr double kLogRatioOfPatch = 1.0;
 // Information of an image's own edges, in that of the prior, along its least known direction, from which on the pose is
-// the edges' and not the prior's: a third of its standard deviation. Along a corridor, of which hardly anything tells
-// where one stands, small errors of edges and patches that all images share make a way of any length.
-constexpr double kKnownByEdges = 9.0;
+// the edges' and not the prior's: half of its standard deviation. Along a corridor, of which hardly anything tells
+// where one stands, small errors of edges and patches that all images share make a way of any length: there a pose must
+// be the surer.
+constexpr double kKnownByEdges = 3.0;
+constexpr double kShareUnlessKnown = 0.7;  // of max_predicted_share
+constexpr const char* kOnlyNearer = "uncertain, but nearer than the coarse pose";
 
 EdgeResidual summarise(std::vector<double> distances, double first_radius_px, double last_radius_px) {
   const auto num_matches =
@@ -53,12 +56,11 @@ class JointJudge {
     result.information_eigenvalues = degeneracy.eigenvalues;
     result.weak_directions = degeneracy.weak_directions;
     max_shift_px_ = options_.max_predicted_shift_px;
-    if (degeneracy.eigenvalues.minCoeff() >= kKnownByEdges) {
-      max_shift_px_ = std::max(max_shift_px_, options_.max_predicted_share * shift_from_coarse());
-    }
+    const double unless_known = degeneracy.eigenvalues.minCoeff() >= kKnownByEdges ? 1.0 : kShareUnlessKnown;
+    max_shift_px_ = std::max(max_shift_px_, unless_known * options_.max_predicted_share * shift_from_coarse());
     result.covariance = candidate_.pose.covariance;
     result.predicted_shift_px = predicted_shift(result.covariance);
-    if (result.weak_directions.empty() && result.predicted_shift_px > max_shift_px_) {
+    if (result.weak_directions.empty() && result.predicted_shift_px > options_.max_predicted_shift_px) {
       result.weak_directions.push_back(least_known_direction(result.covariance, options_.prior.sigmas()));
     }
     result.held_out_before = before_;
@@ -66,6 +68,7 @@ class JointJudge {
     if (!result.reason.empty()) return result;
     result.status = RefineStatus::kRefined;
     result.camera_from_map = pose.camera_from_map;
+    if (result.predicted_shift_px > options_.max_predicted_shift_px) result.reason = kOnlyNearer;
     return result;
   }
 

@@ -21,10 +21,10 @@ struct JointCandidate {
 
 /// Judges a pose of the joint solve: fills residuals (each sample judged by a pose that the other folds of edges and
 /// the other images give), information, weak directions and the predicted shift. The pose is believed when it is
-/// expected to be off by no more than max_predicted_shift_px, or, where its own edges know all directions, than
-/// max_predicted_share of its way from the coarse pose, and its edges agree: if the other images do not place it
-/// already, more than by chance and better than at the coarse pose (`held_out_before`); else edges and patches together
-/// more than by chance.
+/// expected to be off by no more than max_predicted_shift_px, or than max_predicted_share of its way from the coarse
+/// pose (of 0.7 times that where its own edges leave a direction to the others), and its edges agree: if the other
+/// images do not place it already, more than by chance and better than at the coarse pose (`held_out_before`); else
+/// edges and patches together more than by chance. What only the second limit lets pass has a reason, too.
 RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
                                   const EdgeResidual& held_out_before, const RefinePoseOptions& options);
 

@@ -105,14 +105,33 @@ TEST(JointVerdict, AnUncertainPoseIsAcceptedFarFromTheCoarseOne) {
   Vector6d turn = Vector6d::Zero();
   turn(1) = 0.2;
   candidate.coarse_camera_from_map = perturb_camera(true_view(), turn);
-  EXPECT_LT(predicted_px, 0.25 * 0.2 * test_camera().pixels_per_radian());
-  EXPECT_EQ(judge(candidate).status, RefineStatus::kRefined);
-  RefinePoseOptions sure;  // of the coarse pose: what the edges know is then little
-  sure.prior = {0.005, 0.0005};
-  expect_refused(judge(candidate, sure), candidate, "uncertain");
+  const double way_px = 0.2 * test_camera().pixels_per_radian();
+  EXPECT_LT(predicted_px, 0.35 * way_px);
+  const RefinePoseResult result = judge(candidate);
+  EXPECT_EQ(result.status, RefineStatus::kRefined);
+  EXPECT_THAT(result.reason, HasSubstr("nearer than the coarse pose"));
   RefinePoseOptions strict;
   strict.max_predicted_share = 0.0;
   expect_refused(judge(candidate, strict), candidate, "uncertain");
+}
+
+TEST(JointVerdict, WhereItsEdgesLeaveADirectionOpenAnUncertainPoseMustHaveComeFarther) {
+  const View view;
+  RefinePoseOptions sure;  // of the coarse pose: what the edges know is then little
+  sure.prior = {0.005, 0.0005};
+  JointCandidate candidate = candidate_at(view, true_view(), variances(0.5, 0.05), kAsCoarse);
+  const double predicted_px = judge(candidate).predicted_shift_px;
+  Vector6d turn = Vector6d::Zero();
+  const auto verdict = [&](double ways, const RefinePoseOptions& options) {
+    turn(1) = ways * predicted_px / test_camera().pixels_per_radian();
+    candidate.coarse_camera_from_map = perturb_camera(true_view(), turn);
+    return judge(candidate, options).status;
+  };
+  // The surface is seen at up to 40 degrees, where a turn moves it farther than on the axis: limits are 2 and 2.9 ways.
+  EXPECT_EQ(verdict(1.2, {}), RefineStatus::kKeptCoarse);
+  EXPECT_EQ(verdict(2.1, {}), RefineStatus::kRefined);
+  EXPECT_EQ(verdict(1.7, sure), RefineStatus::kKeptCoarse);
+  EXPECT_EQ(verdict(3.0, sure), RefineStatus::kRefined);
 }
 
 TEST(JointVerdict, AnImageThatSeesNoSurfaceIsRefused) {

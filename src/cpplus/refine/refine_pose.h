@@ -43,9 +43,9 @@ struct RefinePoseOptions {
   /// Where images are solved together: a pose is believed when the surface that the image sees is expected, by the
   /// covariance, to be off by no more than this, pixels. (0, inf)
   double max_predicted_shift_px = 5.0;
-  /// Or by no more than this share of what the pose moved that surface by, where the image's own edges know all
-  /// directions: it is a better pose than the coarse one all the same. [0, 1]
-  double max_predicted_share = 0.25;
+  /// Or by no more than this share of what the pose moved that surface by: it is a better pose than the coarse one all
+  /// the same. Of 0.7 times that where a direction is not known by the image's own edges. [0, 1]
+  double max_predicted_share = 0.5;
 
   void validate() const;
   template <typename Visitor>
@@ -75,7 +75,7 @@ enum class RefineStatus { kRefined, kKeptCoarse };
 
 struct RefinePoseResult {
   RefineStatus status = RefineStatus::kKeptCoarse;
-  std::string reason;                            // why the coarse pose was kept; empty when refined
+  std::string reason;                            // why the coarse pose was kept, or what is to be known of a refined one
   Rigid3 camera_from_map;                        // refined, or the coarse one unchanged
   Rigid3 candidate_camera_from_map;              // the best pose found, accepted or not
   EdgeResidual before, after;                    // all samples
