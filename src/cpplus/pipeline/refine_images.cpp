@@ -204,8 +204,9 @@ JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, 
       project_points(features.map, features.leaf_spacing, planes, options.silhouettes.max_distance_m);
   RangeRaster raster = draw_range_raster(points, camera, options.silhouettes.cell_px);
   add_mean_ranges(points, kSurfaceDepthNoises * features.planes.noise_m, &raster);
-  const EdgesInView seen = edges_in_view(
+  EdgesInView seen = edges_in_view(
       features, planes, find_silhouettes(points, raster, camera, camera_from_map, options.silhouettes), options);
+  if (!options.local) drop_hidden_samples(raster, camera, camera_from_map, options.samples, &seen.samples);
   JointView view;
   view.edges =
       EdgeEvidence(camera, camera_from_map, seen.edges, seen.samples, detect_image_edges(image, options.image_edges),

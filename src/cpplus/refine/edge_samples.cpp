@@ -28,7 +28,6 @@ class Sampler {
     const double length_px = length / std::max(distance, 0.2) * camera_.pixels_per_radian();
     const int count = std::clamp(static_cast<int>(std::ceil(length_px / options_.spacing_px)), 1, kMaxSamplesPerEdge);
 
-    const size_t first = samples->size();
     Eigen::Vector2d last = Eigen::Vector2d::Constant(-1e9);
     for (int k = 0; k < count; ++k) {
       const Eigen::Vector3d x = edge.start + (k + 0.5) / count * along;
@@ -40,8 +39,6 @@ class Sampler {
       last = *pixel;
       samples->push_back({x, along / length, index, 0});
     }
-    const uint32_t kept = static_cast<uint32_t>(samples->size() - first);
-    for (size_t i = first; i < samples->size(); ++i) (*samples)[i].edge_samples = kept;
   }
 
  private:
@@ -96,12 +93,34 @@ class Sampler {
   Eigen::Vector3d center_;
 };
 
+// Whether all cells around show a surface nearer than that; where the raster has none, nothing hides.
+bool is_hidden(const RangeRaster& raster, const Eigen::Vector2d& pixel, double nearer_than_m) {
+  const Eigen::Vector2i cell = raster.cell_of(pixel.cast<float>());
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const double nearest = static_cast<double>(raster.range_at(cell + Eigen::Vector2i(dx, dy)));
+      if (nearest <= 0.0 || nearest > nearer_than_m) return false;
+    }
+  }
+  return true;
+}
+
+// Samples are ordered by edge.
+void count_samples(std::vector<EdgeSample>* samples) {
+  for (size_t begin = 0, end = 0; begin < samples->size(); begin = end) {
+    while (end < samples->size() && (*samples)[end].edge == (*samples)[begin].edge) ++end;
+    for (size_t i = begin; i < end; ++i) (*samples)[i].edge_samples = static_cast<uint32_t>(end - begin);
+  }
+}
+
 }  // namespace
 
 void EdgeSampleOptions::validate() const {
   check_option(spacing_px > 0, "spacing_px", "(0, inf)", spacing_px);
   check_option(max_distance_m > 0, "max_distance_m", "(0, inf)", max_distance_m);
   check_option(occlusion_margin_m >= 0, "occlusion_margin_m", "[0, inf)", occlusion_margin_m);
+  check_option(surface_margin_m >= 0, "surface_margin_m", "[0, inf)", surface_margin_m);
+  check_option(surface_margin_ratio >= 0, "surface_margin_ratio", "[0, inf)", surface_margin_ratio);
   check_option(min_jump_m > 0, "min_jump_m", "(0, inf)", min_jump_m);
   check_option(min_jump_ratio >= 0, "min_jump_ratio", "[0, inf)", min_jump_ratio);
   check_option(jump_offset_px > 0, "jump_offset_px", "(0, inf)", jump_offset_px);
@@ -114,7 +133,20 @@ std::vector<EdgeSample> sample_visible_edges(const std::vector<MapEdge>& edges, 
   const Sampler sampler(camera, camera_from_map, planes, options);
   std::vector<EdgeSample> samples;
   for (size_t i = 0; i < edges.size(); ++i) sampler.sample(edges[i], static_cast<uint32_t>(i), &samples);
+  count_samples(&samples);
   return samples;
+}
+
+void drop_hidden_samples(const RangeRaster& raster, const Camera& camera, const Rigid3& camera_from_map,
+                         const EdgeSampleOptions& options, std::vector<EdgeSample>* samples) {
+  std::erase_if(*samples, [&](const EdgeSample& sample) {
+    const Eigen::Vector3d x_in_camera = camera_from_map * sample.x_in_map;
+    const double range = x_in_camera.norm();
+    const auto pixel = camera.project(x_in_camera);
+    const double margin = std::max(options.surface_margin_m, options.surface_margin_ratio * range);
+    return pixel && is_hidden(raster, *pixel, range - margin);
+  });
+  count_samples(samples);
 }
 
 }  // namespace cpplus

@@ -6,6 +6,7 @@
 
 #include "cpplus/cloud/map_edge.h"
 #include "cpplus/cloud/plane_buffer.h"
+#include "cpplus/cloud/range_raster.h"
 #include "cpplus/core/options.h"
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/rigid3.h"
@@ -19,6 +20,10 @@ struct EdgeSampleOptions {
   double max_distance_m = 40.0;
   /// An edge is hidden when it lies this far behind a plane that is seen at its place, metres. [0, inf)
   double occlusion_margin_m = 0.04;
+  /// The same behind the nearest points of the map, of planes or not, metres and share of the distance (whichever is
+  /// more). [0, inf)
+  double surface_margin_m = 0.10;
+  double surface_margin_ratio = 0.02;
   /// A boundary counts where the map beyond it lies this far behind the plane's continuation, along the viewing ray,
   /// metres and share of the distance.
   double min_jump_m = 0.06;
@@ -34,6 +39,9 @@ struct EdgeSampleOptions {
     visitor("max_distance_m", max_distance_m, "Edges farther than this from the camera are not looked at, metres.");
     visitor("occlusion_margin_m", occlusion_margin_m,
             "An edge is hidden when it lies this far behind a plane, metres.");
+    visitor("surface_margin_m", surface_margin_m, "The same behind the nearest points of the map, metres.");
+    visitor("surface_margin_ratio", surface_margin_ratio,
+            "The same as a share of the distance; the larger one counts.");
     visitor("min_jump_m", min_jump_m, "A boundary counts where the map beyond lies this far behind its plane, metres.");
     visitor("min_jump_ratio", min_jump_ratio, "The same as a share of the distance.");
     visitor("jump_offset_px", jump_offset_px, "How far beyond a boundary that is looked for, pixels.");
@@ -55,5 +63,10 @@ struct EdgeSample {
 std::vector<EdgeSample> sample_visible_edges(const std::vector<MapEdge>& edges, const Camera& camera,
                                              const Rigid3& camera_from_map, const PlaneBuffer& planes,
                                              const EdgeSampleOptions& options);
+
+/// Leaves out the samples that something hides which is no plane (a shelf, a plant): the raster, drawn from a pose that
+/// is right to a pixel or two, shows a nearer surface in all of the 3x3 cells around them.
+void drop_hidden_samples(const RangeRaster& raster, const Camera& camera, const Rigid3& camera_from_map,
+                         const EdgeSampleOptions& options, std::vector<EdgeSample>* samples);
 
 }  // namespace cpplus

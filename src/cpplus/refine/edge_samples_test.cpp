@@ -183,5 +183,52 @@ TEST(SampleVisibleEdges, InAFurnishedRoomSamplesAgreeWithExactVisibility) {
   EXPECT_GE(static_cast<double>(kept_visible), 0.99 * static_cast<double>(all_visible));
 }
 
+// A raster of one range wherever pixels are in [begin, end) along x, and of nothing elsewhere.
+RangeRaster raster_of(double range_m, int begin_px, int end_px) {
+  RangeRaster raster;
+  raster.range = RangeImage(320, 240, 0.0f);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = begin_px / 2; x < end_px / 2; ++x) raster.range.at(x, y) = static_cast<float>(range_m);
+  }
+  return raster;
+}
+
+TEST(DropHiddenSamples, WhatTheNearestPointsHideIsLeftOut) {
+  // 1 m at 4 m with 400 px: from pixel 269.5 to 369.5, and points of no plane at 3 m on the left half.
+  const std::vector<EdgeSample> all = samples_of({line({-0.5, 4, 0}, {0.5, 4, 0})}, make_room(std::nullopt, {}));
+  std::vector<EdgeSample> seen = all;
+  drop_hidden_samples(raster_of(3.0, 0, 320), pinhole(), ahead(), {}, &seen);
+  ASSERT_GT(seen.size(), all.size() / 3);
+  ASSERT_LT(seen.size(), all.size() * 2 / 3);
+  for (const EdgeSample& sample : seen) {
+    EXPECT_GT(sample.x_in_map.x(), -0.03) << "within the cells around the end of what hides";
+    EXPECT_EQ(sample.edge_samples, seen.size());
+  }
+}
+
+TEST(DropHiddenSamples, WhatLiesOnTheNearestSurfaceStays) {
+  const std::vector<EdgeSample> all = samples_of({line({-0.5, 4, 0}, {0.5, 4, 0})}, make_room(std::nullopt, {}));
+  // No surface, the edge's own, and one nearer by less and by more than the margin of 10 cm.
+  for (const double range : {0.0, 4.0, 3.95, 5.0}) {
+    std::vector<EdgeSample> seen = all;
+    drop_hidden_samples(raster_of(range, 0, 640), pinhole(), ahead(), {}, &seen);
+    EXPECT_EQ(seen.size(), all.size()) << range;
+  }
+  std::vector<EdgeSample> seen = all;
+  drop_hidden_samples(raster_of(3.85, 0, 640), pinhole(), ahead(), {}, &seen);
+  EXPECT_TRUE(seen.empty());
+}
+
+TEST(DropHiddenSamples, SamplesOfEachEdgeAreCountedAnew) {
+  const TestRoom empty = make_room(std::nullopt, {});
+  std::vector<EdgeSample> samples =
+      samples_of({line({-0.5, 4, 0.1}, {0.5, 4, 0.1}), line({-0.5, 2, 0.1}, {0.5, 2, 0.1})}, empty);
+  drop_hidden_samples(raster_of(3.0, 0, 300), pinhole(), ahead(), {}, &samples);
+  std::vector<uint32_t> counts(2);
+  for (const EdgeSample& sample : samples) ++counts[sample.edge];
+  EXPECT_GT(counts[1], counts[0]) << "the second one is nearer than what hides";
+  for (const EdgeSample& sample : samples) EXPECT_EQ(sample.edge_samples, counts[sample.edge]);
+}
+
 }  // namespace
 }  // namespace cpplus
