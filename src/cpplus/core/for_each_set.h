@@ -6,8 +6,8 @@
 
 namespace cpplus {
 
-/// Calls visit(i) for the bytes that are not 0, ascending. Where most are 0 they are passed over eight at a time. A visit
-/// may change its own byte and later ones from the next eight on.
+/// Calls visit(i) for the bytes that are not 0, ascending. Where most are 0 they are passed over eight at a time. A
+/// visit may change its own byte and later ones from the next eight on.
 template <typename Visit>
 void for_each_set(const uint8_t* bytes, size_t count, const Visit& visit) {
   for (size_t begin = 0; begin < count; begin += 8) {

@@ -48,9 +48,10 @@ TEST(HiddenRanges, NothingIsHiddenNearTheRimOfAPlaneNorOutsideTheImage) {
 TEST(HiddenRanges, LargeNodesAreHiddenFartherFromTheRimAndTheImagesBorder) {
   const PlaneBuffer planes = half_hidden();
   EXPECT_TRUE(hides(planes, {-3.4f, 0, 8}, 0.8f));  // 60 px large, 170 px from the rim
-  EXPECT_FALSE(hides(planes, {-1.6f, 0, 8}, 0.8f));
-  EXPECT_FALSE(hides(planes, {-3, 0, 5}, 0.8f));  // reaches as near as the plane
-  EXPECT_FALSE(hides(planes, {-3, 0, 8}, 3.0f));  // larger than all blocks
+  EXPECT_TRUE(hides(planes, {-0.8f, 0, 8}, 0.1f));
+  EXPECT_FALSE(hides(planes, {-0.8f, 0, 8}, 0.8f));
+  EXPECT_FALSE(hides(planes, {-2, 0, 4.4f}, 0.8f));  // reaches as near as the plane
+  EXPECT_FALSE(hides(planes, {-3, 0, 8}, 3.0f));     // larger than all blocks
   EXPECT_FALSE(HiddenRanges().hides({10, 10}, 100.0f, 0.1f));
 }
 

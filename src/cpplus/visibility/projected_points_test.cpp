@@ -60,7 +60,7 @@ TEST(ProjectPoints, AreThoseOfOneByOneInTheOrderOfTheMap) {
       }
     }
     EXPECT_EQ(point, points.end());
-    EXPECT_GT(points.size(), 500u);
+    EXPECT_GT(points.size(), 100u);
   }
 }
 
@@ -81,7 +81,7 @@ TEST(NodesInView, HoldAllPointsInTheImageAndFewOthers) {
           const auto pixel = camera.project(x);
           in_image |= x.norm() < 6.0 && pixel && camera.in_image(*pixel, -0.5);
         }
-        if (in_image) EXPECT_TRUE(std::binary_search(nodes.begin(), nodes.end(), node)) << layer << " " << node;
+        EXPECT_TRUE(!in_image || std::binary_search(nodes.begin(), nodes.end(), node)) << layer << " " << node;
       }
     }
   }

@@ -22,15 +22,30 @@ ProjectedPoint point_in(int column, int row, float range, float spacing_px) {
 
 int half_cells(float spacing_px) { return std::clamp(static_cast<int>(spacing_px / 2.0f + 0.5f), 1, 12); }
 
+int column_of(const ProjectedPoint& point) { return static_cast<int>(point.pixel.x() + 0.5f) / 2; }
+int row_of(const ProjectedPoint& point) { return static_cast<int>(point.pixel.y() + 0.5f) / 2; }
+
+// Without those that lie behind another one in the same cell.
+std::vector<ProjectedPoint> nearest_of_cells(const std::vector<ProjectedPoint>& points) {
+  std::vector<ProjectedPoint> nearest;
+  for (const ProjectedPoint& point : points) {
+    const bool is_behind = std::any_of(points.begin(), points.end(), [&](const ProjectedPoint& other) {
+      return column_of(other) == column_of(point) && row_of(other) == row_of(point) && other.range < point.range;
+    });
+    if (!is_behind) nearest.push_back(point);
+  }
+  return nearest;
+}
+
 // Cell by cell, as the definition has it: squares drawn, then shrunk by the square of what each cell shows.
 RangeImage closed(const std::vector<ProjectedPoint>& points) {
   constexpr float kNothing = std::numeric_limits<float>::infinity();
   RangeImage range(kWidth, kHeight, kNothing);
   Image<int> half(kWidth, kHeight, 0);
-  for (const ProjectedPoint& point : points) {
+  for (const ProjectedPoint& point : nearest_of_cells(points)) {
     const int h = half_cells(point.spacing_px);
-    const int column = static_cast<int>(point.pixel.x() + 0.5f) / 2;
-    const int row = static_cast<int>(point.pixel.y() + 0.5f) / 2;
+    const int column = column_of(point);
+    const int row = row_of(point);
     for (int y = std::max(0, row - h); y <= std::min(kHeight - 1, row + h); ++y) {
       for (int x = std::max(0, column - h); x <= std::min(kWidth - 1, column + h); ++x) {
         if (point.range >= range.at(x, y)) continue;
