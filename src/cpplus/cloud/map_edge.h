@@ -34,18 +34,28 @@ struct MapEdge {
   Eigen::Vector3d direction() const { return (end - start).normalized(); }
 };
 
+/// The least number that is no group's and larger than all of them.
+inline uint32_t first_free_group(const std::vector<MapEdge>& edges) {
+  uint32_t free = 0;
+  for (const MapEdge& edge : edges) free = std::max(free, edge.group + 1);
+  return free;
+}
+
+/// Adds edges whose groups are numbered on their own: numbers them from first_group on.
+inline void append_groups(const std::vector<MapEdge>& part, uint32_t first_group, std::vector<MapEdge>* edges) {
+  for (const MapEdge& edge : part) {
+    edges->push_back(edge);
+    edges->back().group += first_group;
+  }
+}
+
 /// One list of edges whose groups are numbered within each part: renumbers them so that they stay apart.
 inline std::vector<MapEdge> concatenate_groups(const std::vector<std::vector<MapEdge>>& parts) {
   std::vector<MapEdge> edges;
   uint32_t first_group = 0;
   for (const std::vector<MapEdge>& part : parts) {
-    uint32_t num_groups = 0;
-    for (MapEdge edge : part) {
-      num_groups = std::max(num_groups, edge.group + 1);
-      edge.group += first_group;
-      edges.push_back(edge);
-    }
-    first_group += num_groups;
+    append_groups(part, first_group, &edges);
+    first_group += first_free_group(part);
   }
   return edges;
 }

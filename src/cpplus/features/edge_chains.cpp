@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <utility>
 
+#include "cpplus/core/for_each_set.h"
 #include "cpplus/core/vector_clones.h"
 
 namespace cpplus {
@@ -71,6 +71,11 @@ class Chains {
   std::vector<uint8_t> is_strong_;
 };
 
+CPPLUS_VECTOR_CLONES void square(const int16_t* __restrict dx, const int16_t* __restrict dy, int width,
+                                 int32_t* __restrict out) {
+  for (int x = 0; x < width; ++x) out[x] = int32_t{dx[x]} * dx[x] + int32_t{dy[x]} * dy[x];
+}
+
 // Squared magnitudes of three rows, with a zero at either end.
 class MagnitudeRows {
  public:
@@ -95,11 +100,9 @@ class MagnitudeRows {
     int32_t* out = row->data() + 1;
     if (y >= gradient_.height) {
       std::fill_n(out, gradient_.width, 0);
-      return;
+    } else {
+      square(&gradient_.dx[gradient_.index(0, y)], &gradient_.dy[gradient_.index(0, y)], gradient_.width, out);
     }
-    const int16_t* dx = &gradient_.dx[gradient_.index(0, y)];
-    const int16_t* dy = &gradient_.dy[gradient_.index(0, y)];
-    for (int x = 0; x < gradient_.width; ++x) out[x] = int32_t{dx[x]} * dx[x] + int32_t{dy[x]} * dy[x];
   }
 
   const ImageGradient& gradient_;
@@ -139,25 +142,12 @@ int32_t whole_square(double value) {
   return static_cast<int32_t>(std::floor(least * least));
 }
 
-// Calls visit(i) for the flags that are set; most are not, and are passed over eight at a time.
-template <typename Visit>
-void for_each_set(const std::vector<uint8_t>& flags, const Visit& visit) {
-  for (size_t begin = 0; begin < flags.size(); begin += 8) {
-    uint64_t eight = 0;
-    std::memcpy(&eight, flags.data() + begin, 8);
-    if (eight == 0) continue;
-    for (size_t i = begin; i < begin + 8; ++i) {
-      if (flags[i]) visit(i);
-    }
-  }
-}
-
 }  // namespace
 
 EdgeChains find_edge_chains(const ImageGradient& gradient, double weak, double strong) {
   const int32_t weak_square = whole_square(weak);
   const int32_t strong_square = whole_square(strong);
-  std::vector<uint8_t> flags((static_cast<size_t>(gradient.width) + 7) / 8 * 8, 0);
+  std::vector<uint8_t> flags(static_cast<size_t>(gradient.width), 0);
   // Chain of each pixel of two rows, between a column of padding at either end.
   std::vector<int32_t> row_above(static_cast<size_t>(gradient.width) + 2, -1);
   std::vector<int32_t> row(row_above);
@@ -169,7 +159,7 @@ EdgeChains find_edge_chains(const ImageGradient& gradient, double weak, double s
     std::fill(row.begin(), row.end(), -1);
     const size_t first = gradient.index(0, y);
     flag_maxima(magnitudes, &gradient.dx[first], &gradient.dy[first], gradient.width, weak_square, flags.data());
-    for_each_set(flags, [&](size_t x) {
+    for_each_set(flags.data(), flags.size(), [&](size_t x) {
       row[x + 1] =
           chains.add(row[x], row_above[x], row_above[x + 1], row_above[x + 2], magnitudes.middle()[x] > strong_square);
       candidates.push_back({static_cast<int>(x), y, static_cast<uint32_t>(row[x + 1])});

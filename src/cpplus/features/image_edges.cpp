@@ -9,6 +9,7 @@
 
 #include "cpplus/core/fast_log.h"
 #include "cpplus/core/options.h"
+#include "cpplus/core/vector_clones.h"
 #include "cpplus/features/edge_chains.h"
 #include "cpplus/features/image_gradient.h"
 
@@ -17,19 +18,24 @@ namespace {
 
 constexpr float kGradientGain = ImageGradient::kUnitsPerLevel;
 
+/// The magnitude of every second pixel of a row in steps of 1 / bins_per_level grey levels per pixel.
+CPPLUS_VECTOR_CLONES void magnitude_bins(const int16_t* __restrict dx, const int16_t* __restrict dy, size_t count,
+                                         float bins_per_level, uint16_t* __restrict bins) {
+  for (size_t i = 0; i < count; ++i) {
+    const float gx = dx[2 * i];
+    const float gy = dy[2 * i];
+    bins[i] = static_cast<uint16_t>(static_cast<int>(std::sqrt(gx * gx + gy * gy) * (bins_per_level / kGradientGain)));
+  }
+}
+
 /// Distribution of the gradient's magnitude over every second pixel of every second row.
 class GradientHistogram {
  public:
   explicit GradientHistogram(const ImageGradient& gradient) : counts_(kBins, 0) {
     std::vector<uint16_t> bins(static_cast<size_t>(gradient.width / 2));
     for (int y = 0; y < gradient.height; y += 2) {
-      const int16_t* dx = &gradient.dx[gradient.index(0, y)];
-      const int16_t* dy = &gradient.dy[gradient.index(0, y)];
-      for (size_t i = 0; i < bins.size(); ++i) {
-        const float gx = dx[2 * i];
-        const float gy = dy[2 * i];
-        bins[i] = static_cast<uint16_t>(std::sqrt(gx * gx + gy * gy) * (kBinsPerLevel / kGradientGain));
-      }
+      const size_t first = gradient.index(0, y);
+      magnitude_bins(&gradient.dx[first], &gradient.dy[first], bins.size(), kBinsPerLevel, bins.data());
       for (const uint16_t bin : bins) ++counts_[std::min<size_t>(bin, kBins - 1)];
       total_ += bins.size();
     }
@@ -63,20 +69,21 @@ double strong_threshold(const ImageGradient& gradient, const ImageEdgeOptions& o
   return std::min(std::max(histogram.quantile(options.strong_quantile), least), options.max_gradient);
 }
 
-/// log2 of the squared gradient, to less than its own rounding, at (x, y) and its eight neighbours, row by row.
+/// log2 of the squared gradient, to less than its own rounding, at (x, y) and its eight neighbours, row by row; a
+/// fourth column fills up the vectors.
 std::array<float, 12> log_gradient_3x3(const ImageGradient& gradient, int x, int y) {
-  std::array<float, 12> dx{};  // nine, filled up to whole vectors
-  std::array<float, 12> dy{};
+  std::array<float, 12> f;
   for (int row = 0; row < 3; ++row) {
-    const int16_t* dx_row = &gradient.dx[gradient.index(x - 1, y + row - 1)];
-    const int16_t* dy_row = &gradient.dy[gradient.index(x - 1, y + row - 1)];
-    for (int column = 0; column < 3; ++column) {
-      dx[3 * row + column] = dx_row[column];
-      dy[3 * row + column] = dy_row[column];
+    const size_t first = gradient.index(x - 1, y + row - 1);
+    std::array<int16_t, 4> dx, dy;
+    std::copy_n(&gradient.dx[first], 4, dx.begin());
+    std::copy_n(&gradient.dy[first], 4, dy.begin());
+    for (int column = 0; column < 4; ++column) {
+      const float gx = dx[column];
+      const float gy = dy[column];
+      f[4 * row + column] = fast_log2(gx * gx + gy * gy + 1.0f);
     }
   }
-  std::array<float, 12> f;
-  for (int i = 0; i < 12; ++i) f[i] = fast_log2(dx[i] * dx[i] + dy[i] * dy[i] + 1.0f);
   return f;
 }
 
@@ -84,15 +91,15 @@ std::array<float, 12> log_gradient_3x3(const ImageGradient& gradient, int x, int
 std::optional<ImageEdgel> locate(const ImageGradient& gradient, int x, int y) {
   const std::array<float, 12> f = log_gradient_3x3(gradient, x, y);
   // Least-squares quadratic: first and second differences averaged over the three rows or columns.
-  const float left = f[0] + f[3] + f[6];
-  const float right = f[2] + f[5] + f[8];
+  const float left = f[0] + f[4] + f[8];
+  const float right = f[2] + f[6] + f[10];
   const float above = f[0] + f[1] + f[2];
-  const float below = f[6] + f[7] + f[8];
+  const float below = f[8] + f[9] + f[10];
   const float fx = (right - left) / 6.0f;
   const float fy = (below - above) / 6.0f;
-  const float fxx = (left + right - 2.0f * (f[1] + f[4] + f[7])) / 3.0f;
-  const float fyy = (above + below - 2.0f * (f[3] + f[4] + f[5])) / 3.0f;
-  const float fxy = (f[0] + f[8] - f[2] - f[6]) / 4.0f;
+  const float fxx = (left + right - 2.0f * (f[1] + f[5] + f[9])) / 3.0f;
+  const float fyy = (above + below - 2.0f * (f[4] + f[5] + f[6])) / 3.0f;
+  const float fxy = (f[0] + f[10] - f[2] - f[8]) / 4.0f;
 
   const size_t center = gradient.index(x, y);
   const Eigen::Vector2f d(gradient.dx[center], gradient.dy[center]);

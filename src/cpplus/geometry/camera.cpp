@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <type_traits>
 
 #include "cpplus/core/error.h"
 #include "cpplus/geometry/camera_models/equirectangular.h"
@@ -131,14 +132,23 @@ bool Camera::project(const Eigen::Vector3d& x_in_camera, Eigen::Vector2d* pixel,
   });
 }
 
-void Camera::project(std::span<const Eigen::Vector3f> x_in_camera, std::vector<Eigen::Vector2f>* pixels) const {
-  pixels->resize(x_in_camera.size());
+void Camera::project(size_t count, const float* x, const float* y, const float* z, float* column, float* row) const {
+  if (params_.empty()) {
+    std::fill_n(column, count, NAN);
+    std::fill_n(row, count, NAN);
+    return;
+  }
   with_model(model_, [&](auto m) {
-    for (size_t i = 0; i < x_in_camera.size(); ++i) {
-      Eigen::Vector2d pixel;
-      const bool valid =
-          decltype(m)::project(params_.data(), max_radius_, x_in_camera[i].cast<double>(), &pixel, nullptr);
-      (*pixels)[i] = valid ? Eigen::Vector2f(pixel.cast<float>()) : Eigen::Vector2f(NAN, NAN);
+    using Model = decltype(m);
+    if constexpr (std::is_base_of_v<camera_models::PerspectiveModel<Model>, Model>) {
+      project_block(Model::coefficients(params_.data(), max_radius_), count, x, y, z, column, row);
+    } else {
+      for (size_t i = 0; i < count; ++i) {
+        Eigen::Vector2d pixel;
+        const bool valid = Model::project(params_.data(), max_radius_, {x[i], y[i], z[i]}, &pixel, nullptr);
+        column[i] = valid ? static_cast<float>(pixel.x()) : NAN;
+        row[i] = valid ? static_cast<float>(pixel.y()) : NAN;
+      }
     }
   });
 }

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -56,8 +55,9 @@ class Camera {
   bool project(const Eigen::Vector3d& x_in_camera, Eigen::Vector2d* pixel,
                Eigen::Matrix<double, 2, 3>* d_pixel_d_point) const;
 
-  /// The same for many points at once: one pixel a point, NaN where project() gives nothing.
-  void project(std::span<const Eigen::Vector3f> x_in_camera, std::vector<Eigen::Vector2f>* pixels) const;
+  /// The same for many points at once, one array a coordinate; NaN where project() gives nothing. In single precision,
+  /// to about 1e-3 pixels.
+  void project(size_t count, const float* x, const float* y, const float* z, float* column, float* row) const;
 
   /// Unit bearing in the camera frame of a pixel; nothing where no bearing projects there.
   std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;

@@ -364,22 +364,35 @@ TEST(CameraErrors, DefaultCameraSeesNothing) {
 }
 
 TEST(Camera, ManyPointsProjectAsOneByOne) {
+  constexpr size_t kCount = 500;
   for (const auto& [name, camera] : all_cameras()) {
     Random random(11);
-    std::vector<Eigen::Vector3f> points;
-    for (int i = 0; i < 500; ++i) {
-      points.emplace_back(Eigen::Vector3d(random.normal(), random.normal(), random.normal()).cast<float>());
+    std::vector<float> x(kCount), y(kCount), z(kCount), column(kCount), row(kCount);
+    for (size_t i = 0; i < kCount; ++i) {
+      x[i] = static_cast<float>(random.normal());
+      y[i] = static_cast<float>(random.normal());
+      z[i] = static_cast<float>(random.normal());
     }
-    std::vector<Eigen::Vector2f> pixels;
-    camera.project(points, &pixels);
-    ASSERT_EQ(pixels.size(), points.size());
-    for (size_t i = 0; i < points.size(); ++i) {
-      const auto pixel = camera.project(points[i].cast<double>());
-      ASSERT_EQ(pixel.has_value(), !pixels[i].hasNaN()) << name;
+    z[0] = 0.0f;
+    camera.project(kCount, x.data(), y.data(), z.data(), column.data(), row.data());
+    for (size_t i = 0; i < kCount; ++i) {
+      const auto pixel = camera.project(Eigen::Vector3d(x[i], y[i], z[i]));
+      ASSERT_EQ(pixel.has_value(), !std::isnan(column[i])) << name;
+      ASSERT_EQ(pixel.has_value(), !std::isnan(row[i])) << name;
       if (!pixel) continue;
-      ASSERT_EQ(pixels[i], pixel->cast<float>()) << name;
+      const double tolerance_px = camera.in_image(*pixel) ? 1e-3 : 1e-5 * (1e3 + pixel->norm());
+      ASSERT_NEAR(column[i], pixel->x(), tolerance_px) << name;
+      ASSERT_NEAR(row[i], pixel->y(), tolerance_px) << name;
     }
   }
+}
+
+TEST(Camera, ManyPointsOfACameraThatIsNotSet) {
+  const float one = 1.0f;
+  float column = 0.0f, row = 0.0f;
+  Camera().project(1, &one, &one, &one, &column, &row);
+  EXPECT_TRUE(std::isnan(column));
+  EXPECT_TRUE(std::isnan(row));
 }
 
 }  // namespace

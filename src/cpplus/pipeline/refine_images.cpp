@@ -1,12 +1,12 @@
 #include "cpplus/pipeline/refine_images.h"
 
 #include <algorithm>
-#include <iterator>
 #include <set>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/core/stopwatch.h"
+#include "cpplus/geometry/tangent_box.h"
 #include "cpplus/pipeline/nothing_hidden.h"
 #include "cpplus/visibility/point_spacing.h"
 
@@ -106,20 +106,24 @@ double map_reach_m(const RefineImagesOptions& options) {
 
 namespace {
 
-// Those of which a part may lie within the distance: of a large map few.
-std::vector<MapEdge> edges_near(const std::vector<MapEdge>& edges, const Eigen::Vector3d& center, double distance_m) {
-  std::vector<MapEdge> near;
-  std::copy_if(edges.begin(), edges.end(), std::back_inserter(near), [&](const MapEdge& edge) {
-    return (0.5 * (edge.start + edge.end) - center).norm() <= distance_m + 0.5 * edge.length();
-  });
-  return near;
+// Adds those of which a part may lie in the image and within the distance: of a large map few.
+void add_edges_near(const std::vector<MapEdge>& edges, const Camera& camera, const Rigid3& camera_from_map,
+                    double distance_m, std::vector<MapEdge>* near) {
+  const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
+  const TangentBox box = tangent_box(camera);
+  for (const MapEdge& edge : edges) {
+    const Eigen::Vector3d center = rotation * (0.5 * (edge.start + edge.end)) + camera_from_map.translation;
+    const double reach_m = 0.5 * edge.length();
+    if (center.norm() > distance_m + reach_m) continue;
+    if (!box.excludes(center.cast<float>(), static_cast<float>(reach_m))) near->push_back(edge);
+  }
 }
 
 EdgesInView edges_in_view(const MapFeatures& features, const PlaneBuffer& planes,
                           const std::vector<MapEdge>& silhouettes, const RefineImagesOptions& options) {
   EdgesInView view;
-  view.edges = concatenate_groups(
-      {edges_near(features.edges, camera_center(planes.camera_from_map), options.samples.max_distance_m), silhouettes});
+  add_edges_near(features.edges, planes.camera, planes.camera_from_map, options.samples.max_distance_m, &view.edges);
+  append_groups(silhouettes, first_free_group(view.edges), &view.edges);
   view.samples = sample_visible_edges(view.edges, planes.camera, planes.camera_from_map, planes, options.samples);
   return view;
 }

@@ -52,9 +52,10 @@ EdgeEvidence::EdgeEvidence(const Camera& camera, const ImagePose& pose, const st
                            const std::vector<EdgeSample>& samples, const ImageEdges& image_edges, double radius_px,
                            double max_angle_deg) {
   const EdgelIndex index(image_edges, max_angle_deg);
+  const SampleProjector projector(camera, pose);
   std::vector<uint32_t> found;
   for (const EdgeSample& sample : samples) {
-    const auto projected = project_sample(camera, pose, sample);
+    const auto projected = projector.project(sample);
     if (!projected) continue;
     Sample s;
     s.sample = sample;
@@ -93,10 +94,11 @@ std::vector<EdgeMatch> EdgeEvidence::match(const Camera& camera, const ImagePose
                                            const Noise& noise, const Selection& selection) const {
   std::vector<EdgeMatch> matches;
   const Rigid3 map_from_middle_row = inverse(pose.camera_from_map);
+  const SampleProjector projector(camera, pose);
   for (const uint32_t i : selection) {
     const Sample& s = samples_[i];
     if (s.candidates_begin == s.candidates_end) continue;
-    const auto projected = project_sample(camera, pose, s.sample);
+    const auto projected = projector.project(s.sample);
     if (!projected) continue;
     double nearest_px = radius_px;
     const Eigen::Vector2f* best = nullptr;
@@ -134,9 +136,10 @@ double EdgeEvidence::nearest(const Sample& s, const ProjectedSample& projected, 
 
 std::vector<double> EdgeEvidence::distances(const Camera& camera, const ImagePose& pose, double radius_px,
                                             const Selection& selection) const {
+  const SampleProjector projector(camera, pose);
   std::vector<double> result;
   for (const uint32_t i : selection) {
-    const auto projected = project_sample(camera, pose, samples_[i].sample);
+    const auto projected = projector.project(samples_[i].sample);
     if (projected) result.push_back(nearest(samples_[i], *projected, 0.0, radius_px));
   }
   return result;
@@ -144,10 +147,11 @@ std::vector<double> EdgeEvidence::distances(const Camera& camera, const ImagePos
 
 double EdgeEvidence::log_ratio(const Camera& camera, const ImagePose& pose, double kernel_px,
                                const Selection& selection) const {
+  const SampleProjector projector(camera, pose);
   std::vector<SampleLikelihood> likelihoods;
   for (const uint32_t i : selection) {
     const Sample& s = samples_[i];
-    const auto projected = project_sample(camera, pose, s.sample);
+    const auto projected = projector.project(s.sample);
     if (!projected) continue;
     const Eigen::RowVector3d across = projected->normal.transpose() * projected->d_pixel_d_point;
     const double map_variance = (across * s.covariance.cast<double>() * across.transpose()).value();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace cpplus {
 namespace {
@@ -68,22 +69,21 @@ class Sampler {
     const double offset =
         std::max(options_.jump_offset_px, options_.jump_offset_m / range * camera_.pixels_per_radian());
     const Eigen::Vector2d outward = offset * step.normalized();
-    const double behind_outside = behind_plane(edge, x, pixel + outward);
-    const double behind_inside = behind_plane(edge, x, pixel - outward);
     const double jump = options_.min_jump_m + options_.min_jump_ratio * range;
-    return behind_outside > jump && std::abs(behind_inside) < jump;
+    return behind_plane(edge, x, pixel + outward) > jump && std::abs(behind_plane(edge, x, pixel - outward)) < jump;
   }
 
   // How far behind the plane of the edge the map's surface lies at a pixel, along the ray, metres; NaN where there is
   // none.
   double behind_plane(const MapEdge& edge, const Eigen::Vector3d& x, const Eigen::Vector2d& pixel) const {
     const int32_t seen = planes_.plane_at(pixel);
-    if (seen == PlaneBuffer::kNone) return std::numeric_limits<double>::quiet_NaN();
+    const auto bearing = seen == PlaneBuffer::kNone ? std::nullopt : camera_.unproject(pixel);
+    if (!bearing) return std::numeric_limits<double>::quiet_NaN();
     MapPlane continuation;
     continuation.normal = edge.normal_a;
     continuation.centroid = x;
-    return planes_.range_of((*planes_.planes)[static_cast<size_t>(seen)], pixel) -
-           planes_.range_of(continuation, pixel);
+    return planes_.range_along((*planes_.planes)[static_cast<size_t>(seen)], *bearing) -
+           planes_.range_along(continuation, *bearing);
   }
 
   const Camera& camera_;

@@ -34,6 +34,10 @@ class EdgelIndex {
   size_t index_of(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(edges_.width) + static_cast<size_t>(x);
   }
+  bool is_inside(const Eigen::Vector2d& pixel, double margin_px) const {
+    return pixel.x() >= margin_px && pixel.y() >= margin_px && pixel.x() < edges_.width - 1 - margin_px &&
+           pixel.y() < edges_.height - 1 - margin_px;
+  }
   bool is_occupied(size_t pixel) const { return occupied_[pixel / 64] >> (pixel % 64) & 1; }
   // Of the edgel of an occupied pixel in by_pixel_.
   size_t place_of(size_t pixel) const {
@@ -42,8 +46,6 @@ class EdgelIndex {
   }
   // Bit of the eighth of half a turn that a normal points to, the same for the opposite one.
   static uint8_t direction_of(const Eigen::Vector2d& normal);
-  // Bits of all normals that an edgel agrees with.
-  uint8_t agreeing_directions(const ImageEdgel& edgel) const;
 
   // Calls visit(index) for the edgels whose normal agrees at the three pixels abreast around a place.
   template <typename Visit>
@@ -52,7 +54,6 @@ class EdgelIndex {
 
   const ImageEdges& edges_;
   double min_cos_;
-  std::vector<Eigen::Vector2d> turns_;
   // Edgels in the order of their pixels, found by counting the bits of occupied pixels: small enough for the cache.
   std::vector<uint64_t> occupied_;    // a bit a pixel
   std::vector<uint32_t> num_before_;  // of the bits in earlier words

@@ -19,23 +19,26 @@ std::optional<Rigid3> pose_of_row(const Camera& camera, const ImagePose& pose, c
 
 }  // namespace
 
-std::optional<ProjectedSample> project_sample(const Camera& camera, const ImagePose& pose, const EdgeSample& sample) {
-  const auto row_from_map = pose_of_row(camera, pose, sample.x_in_map);
+std::optional<ProjectedSample> SampleProjector::project(const EdgeSample& sample) const {
+  if (!pose_.moves()) return project(sample, pose_.camera_from_map, rotation_);
+  const auto row_from_map = pose_of_row(camera_, pose_, sample.x_in_map);
   if (!row_from_map) return std::nullopt;
-  ProjectedSample projected;
-  projected.camera_from_map = *row_from_map;
-  const Rigid3& camera_from_map = projected.camera_from_map;
-  const Eigen::Vector3d x_in_camera = camera_from_map * sample.x_in_map;
-  Eigen::Matrix<double, 2, 3> d_pixel_d_camera_point;
-  if (!camera.project(x_in_camera, &projected.pixel, &d_pixel_d_camera_point)) return std::nullopt;
+  return project(sample, *row_from_map, row_from_map->rotation.toRotationMatrix());
+}
 
-  const Eigen::Matrix3d rotation = camera_from_map.rotation.toRotationMatrix();
+std::optional<ProjectedSample> SampleProjector::project(const EdgeSample& sample, const Rigid3& camera_from_map,
+                                                        const Eigen::Matrix3d& rotation) const {
+  ProjectedSample projected;
+  projected.camera_from_map = camera_from_map;
+  const Eigen::Vector3d x_in_camera = rotation * sample.x_in_map + camera_from_map.translation;
+  Eigen::Matrix<double, 2, 3> d_pixel_d_camera_point;
+  if (!camera_.project(x_in_camera, &projected.pixel, &d_pixel_d_camera_point)) return std::nullopt;
+
   projected.d_pixel_d_point = d_pixel_d_camera_point * rotation;
   const Eigen::Vector2d tangent = projected.d_pixel_d_point * sample.direction_in_map;
   const double length = tangent.norm();
   if (length < 1e-6) return std::nullopt;
   projected.normal = Eigen::Vector2d(-tangent.y(), tangent.x()) / length;
-
   projected.d_pixel_d_delta = d_pixel_d_camera_point * d_camera_point_d_delta(x_in_camera);
   return projected;
 }

@@ -19,9 +19,30 @@ struct ProjectedSample {
   Eigen::Matrix<double, 2, 3> d_pixel_d_point = Eigen::Matrix<double, 2, 3>::Zero();  // per metre, map frame
 };
 
-/// Projects an edge sample (Eq. 3 of Cui & Schwertfeger 2022) with its derivatives. Under a rolling shutter the row in
-/// which a point is seen and the pose of that row depend on each other; a few steps of a fixed point find both. Nothing
-/// where the camera model does not hold or the edge is seen end-on.
-std::optional<ProjectedSample> project_sample(const Camera& camera, const ImagePose& pose, const EdgeSample& sample);
+/// Projects edge samples into one image (Eq. 3 of Cui & Schwertfeger 2022) with their derivatives. Under a rolling
+/// shutter the row in which a point is seen and the pose of that row depend on each other; a few steps of a fixed point
+/// find both.
+class SampleProjector {
+ public:
+  /// The camera must outlive this.
+  SampleProjector(const Camera& camera, const ImagePose& pose)
+      : camera_(camera), pose_(pose), rotation_(pose.camera_from_map.rotation.toRotationMatrix()) {}
+
+  /// Nothing where the camera model does not hold or the edge is seen end-on.
+  std::optional<ProjectedSample> project(const EdgeSample& sample) const;
+
+ private:
+  std::optional<ProjectedSample> project(const EdgeSample& sample, const Rigid3& camera_from_map,
+                                         const Eigen::Matrix3d& rotation) const;
+
+  const Camera& camera_;
+  ImagePose pose_;
+  Eigen::Matrix3d rotation_;  // of the middle row
+};
+
+inline std::optional<ProjectedSample> project_sample(const Camera& camera, const ImagePose& pose,
+                                                     const EdgeSample& sample) {
+  return SampleProjector(camera, pose).project(sample);
+}
 
 }  // namespace cpplus

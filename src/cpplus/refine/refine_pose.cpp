@@ -114,8 +114,9 @@ class PoseRefiner {
     NearestEdges nearest;
     nearest.samples.reserve(samples.size());
     nearest.edgels.reserve(samples.size());
+    const SampleProjector projector(camera_, pose);
     for (const EdgeSample& sample : samples) {
-      const auto projected = project_sample(camera_, pose, sample);
+      const auto projected = projector.project(sample);
       if (!projected) continue;
       nearest.samples.push_back({&sample, *projected});
       nearest.edgels.push_back(index_.nearest_along(projected->pixel, projected->normal, radius_px));

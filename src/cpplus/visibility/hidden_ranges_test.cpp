@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -21,10 +22,10 @@ PlaneBuffer half_hidden() {
   return planes;
 }
 
-bool hides(const PlaneBuffer& planes, const Eigen::Vector3f& x) {
-  std::vector<Eigen::Vector2f> pixels;
-  pinhole().project(std::vector<Eigen::Vector3f>{x}, &pixels);
-  return HiddenRanges(planes).hides(pixels.front(), x.norm());
+bool hides(const PlaneBuffer& planes, const Eigen::Vector3f& x, float radius_m = 0.05f) {
+  const auto pixel = pinhole().project(x.cast<double>());
+  const Eigen::Vector2f at = pixel ? Eigen::Vector2f(pixel->cast<float>()) : Eigen::Vector2f::Constant(NAN);
+  return HiddenRanges(planes).hides(at, x.norm(), radius_m);
 }
 
 TEST(HiddenRanges, WhatLiesClearlyBehindPlanesIsHidden) {
@@ -42,6 +43,16 @@ TEST(HiddenRanges, NothingIsHiddenNearTheRimOfAPlaneNorOutsideTheImage) {
   EXPECT_FALSE(hides(planes, {-10, 0, 8}));
   EXPECT_FALSE(hides(planes, {0, 0, -8}));
   EXPECT_FALSE(hides(PlaneBuffer(), {-3, 0, 8}));
+}
+
+TEST(HiddenRanges, LargeNodesAreHiddenFartherFromTheRimAndTheImagesBorder) {
+  const PlaneBuffer planes = half_hidden();
+  EXPECT_TRUE(hides(planes, {-3.4f, 0, 8}, 0.8f));  // 60 px large, 170 px from the rim
+  EXPECT_TRUE(hides(planes, {-0.8f, 0, 8}, 0.1f));
+  EXPECT_FALSE(hides(planes, {-0.8f, 0, 8}, 0.8f));
+  EXPECT_FALSE(hides(planes, {-2, 0, 4.4f}, 0.8f));  // reaches as near as the plane
+  EXPECT_FALSE(hides(planes, {-3, 0, 8}, 3.0f));     // larger than all blocks
+  EXPECT_FALSE(HiddenRanges().hides({10, 10}, 100.0f, 0.1f));
 }
 
 }  // namespace

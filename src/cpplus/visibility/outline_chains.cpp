@@ -6,47 +6,80 @@
 #include <limits>
 #include <utility>
 
+#include "cpplus/core/for_each_set.h"
+#include "cpplus/core/vector_clones.h"
+
 namespace cpplus {
 namespace {
 
 const std::array<Eigen::Vector2i, 4> kOutward = {Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1), Eigen::Vector2i(-1, 0),
                                                  Eigen::Vector2i(0, -1)};
 
+// For the cells of a row with a surface, a bit a side where it does not go on in the next cell; `padded` has a cell
+// more at either end, `above` and `below` are the rows beside.
+CPPLUS_VECTOR_CLONES void flag_ends(const float* padded, const float* above, const float* below, int width,
+                                    RangeJumpOptions options, uint8_t* sides) {
+  const float* row = padded + 1;
+  for (int x = 0; x < width; ++x) {
+    const float near = row[x];
+    const float limit =
+        near + static_cast<float>(options.min_jump_m + options.min_jump_ratio * static_cast<double>(near));
+    const auto ends = [limit](float next) { return !((next > 0.0f) & (next < limit)); };
+    const int flags = ends(row[x + 1]) | ends(below[x]) << 1 | ends(row[x - 1]) << 2 | ends(above[x]) << 3;
+    sides[x] = static_cast<uint8_t>(near == 0.0f ? 0 : flags);
+  }
+}
+
+// Calls visit(x, y) for the cells that are not 0; most are.
+template <typename Visit>
+void for_each_cell_set(const Image<uint8_t>& cells, const Visit& visit) {
+  for (int y = 0; y < cells.height; ++y) {
+    for_each_set(&cells.at(0, y), static_cast<size_t>(cells.width), [&](size_t x) { visit(static_cast<int>(x), y); });
+  }
+}
+
 class OutlineTracer {
  public:
   OutlineTracer(const RangeRaster& raster, const RangeJumpOptions& options)
       : raster_(raster), options_(options), sides_(raster.range.width, raster.range.height, 0) {
-    for (int y = 0; y < sides_.height; ++y) {
-      for (int x = 0; x < sides_.width; ++x) {
-        const float near = raster_.range.at(x, y);
-        if (near == 0.0f) continue;
-        const float jump = static_cast<float>(options_.jump_at(static_cast<double>(near)));
-        for (int side = 0; side < 4; ++side) {
-          // In most places the surface goes on in the next cell.
-          const float next = raster_.range_at(Eigen::Vector2i(x, y) + kOutward[static_cast<size_t>(side)]);
-          if (next > 0.0f && next < near + jump) continue;
-          if (is_step({x, y}, side, near, jump)) sides_.at(x, y) = static_cast<uint8_t>(sides_.at(x, y) | 1 << side);
-        }
+    flag_all_ends();
+    for_each_cell_set(sides_, [&](int x, int y) {
+      const float near = raster_.range.at(x, y);
+      const float jump = static_cast<float>(options_.jump_at(static_cast<double>(near)));
+      for (int side = 0; side < 4; ++side) {
+        if (!has({x, y}, side) || is_step({x, y}, side, near, jump)) continue;
+        sides_.at(x, y) = static_cast<uint8_t>(sides_.at(x, y) & ~(1 << side));
       }
-    }
+    });
   }
 
   std::vector<std::vector<OutlineStep>> run() {
     std::vector<std::vector<OutlineStep>> chains;
     // First those that begin somewhere, then closed ones.
     for (const bool closed : {false, true}) {
-      for (int y = 0; y < sides_.height; ++y) {
-        for (int x = 0; x < sides_.width; ++x) {
-          for (int side = 0; sides_.at(x, y) != 0 && side < 4; ++side) {
-            if (has({x, y}, side) && (closed || !has_predecessor({x, y}, side))) chains.push_back(follow({x, y}, side));
-          }
+      for_each_cell_set(sides_, [&](int x, int y) {
+        for (int side = 0; side < 4; ++side) {
+          if (has({x, y}, side) && (closed || !has_predecessor({x, y}, side))) chains.push_back(follow({x, y}, side));
         }
-      }
+      });
     }
     return chains;
   }
 
  private:
+  // Sides on which the surface does not go on in the next cell, as it does in most places.
+  void flag_all_ends() {
+    const RangeImage& range = raster_.range;
+    const auto width = static_cast<size_t>(range.width);
+    const std::vector<float> beyond(width, 0.0f);
+    std::vector<float> padded(width + 2, 0.0f);
+    for (int y = 0; y < range.height; ++y) {
+      std::copy_n(&range.at(0, y), width, padded.begin() + 1);
+      flag_ends(padded.data(), y > 0 ? &range.at(0, y - 1) : beyond.data(),
+                y + 1 < range.height ? &range.at(0, y + 1) : beyond.data(), range.width, options_, &sides_.at(0, y));
+    }
+  }
+
   bool has(const Eigen::Vector2i& cell, int side) const {
     return sides_.contains(cell.x(), cell.y()) && (sides_.at(cell.x(), cell.y()) >> side & 1);
   }

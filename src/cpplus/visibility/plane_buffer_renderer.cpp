@@ -1,12 +1,14 @@
 #include "cpplus/visibility/plane_buffer_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "cpplus/cloud/node_range.h"
-#include "cpplus/geometry/tangent_box.h"
+#include "cpplus/visibility/nodes_in_view.h"
+#include "cpplus/visibility/point_block.h"
 #include "cpplus/visibility/range_keys.h"
 
 namespace cpplus {
@@ -15,6 +17,20 @@ namespace {
 // The patch of a leaf reaches a little beyond it, so that neighbouring patches of sparse surfaces close.
 constexpr double kPatchRadiusLeaves = 0.7;
 constexpr float kMaxPatchRadiusPx = 64.0f;
+constexpr int kNodeLayersAboveLeaves = 2;
+
+double patch_radius_m(const VoxelMap& map) { return kPatchRadiusLeaves * map.options().leaf_size_m; }
+
+// As std::lower_bound, for a value that is probably found near the beginning.
+template <typename Iterator>
+Iterator lower_bound_near(Iterator begin, Iterator end, uint32_t value) {
+  std::ptrdiff_t step = 8;
+  while (end - begin > step && *(begin + step) < value) {
+    begin += step;
+    step *= 2;
+  }
+  return std::lower_bound(begin, end - begin > step ? begin + step + 1 : end, value);
+}
 
 }  // namespace
 
@@ -96,61 +112,59 @@ class PatchDrawer {
               const Rigid3& camera_from_map, const PlaneBufferOptions& options)
       : surface_(surface),
         camera_(camera),
-        rotation_(camera_from_map.rotation.toRotationMatrix().cast<float>()),
-        // float32 holds what is in reach to micrometres: the large offsets cancel in double first.
-        center_from_origin_((camera_center(camera_from_map) - map.origin()).cast<float>()),
-        box_(tangent_box(camera)),
-        radius_m_(static_cast<float>(kPatchRadiusLeaves * map.options().leaf_size_m)),
+        radius_m_(static_cast<float>(patch_radius_m(map))),
         max_distance_m_(static_cast<float>(options.max_distance_m)),
-        canvas_(camera, options.cell_px) {
-    for (const MapPlane& plane : planes.planes) normals_in_camera_.push_back(rotation_ * plane.normal.cast<float>());
+        canvas_(camera, options.cell_px),
+        block_(camera, camera_from_map, map.origin()) {
+    const Eigen::Matrix3f rotation = camera_from_map.rotation.toRotationMatrix().cast<float>();
+    for (const MapPlane& plane : planes.planes) normals_in_camera_.push_back(rotation * plane.normal.cast<float>());
   }
 
   // Patches [begin, end) of the surface.
-  void draw(size_t begin, size_t end) {
-    patches_.clear();
-    x_in_camera_.clear();
-    for (size_t k = begin; k < end; ++k) {
-      const Eigen::Vector3f x = rotation_ * (surface_.centers[k] - center_from_origin_);
-      if (box_.excludes(x, radius_m_)) continue;
-      const float range = x.norm();
-      if (range > max_distance_m_ || range < 1e-3f) continue;
-      patches_.push_back({surface_.plane_of[k], range});
-      x_in_camera_.push_back(x);
+  void add(size_t begin, size_t end) {
+    for (; begin < end; ++begin) {
+      plane_[block_.size()] = surface_.plane_of[begin];
+      block_.add(surface_.centers[begin]);
+      if (block_.full()) flush();
     }
-    camera_.project(x_in_camera_, &pixels_);
+  }
+
+  void flush() {
+    block_.project();
     const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
-    for (size_t i = 0; i < patches_.size(); ++i) {
-      const auto [plane, range] = patches_[i];
+    const float last_column = static_cast<float>(camera_.width() - 1);
+    const float last_row = static_cast<float>(camera_.height() - 1);
+    for (size_t i = 0; i < block_.size(); ++i) {
+      const float range = block_.range(i);
+      if (range > max_distance_m_ || range < 1e-3f) continue;
+      const Eigen::Vector2f pixel(block_.column(i), block_.row(i));
       const float radius_px = std::min(radius_m_ / range * pixels_per_radian, kMaxPatchRadiusPx);
-      if (!camera_.in_image(pixels_[i].cast<double>(), -static_cast<double>(radius_px))) continue;  // NaN: nowhere
-      const float cosine = normals_in_camera_[static_cast<size_t>(plane)].dot(x_in_camera_[i]) / range;
+      const bool in_image = (pixel.x() >= -radius_px) & (pixel.y() >= -radius_px) &
+                            (pixel.x() <= last_column + radius_px) & (pixel.y() <= last_row + radius_px);
+      if (!in_image) continue;  // NaN: nowhere
+      const Eigen::Vector3f x(block_.x(i), block_.y(i), block_.z(i));
+      const float cosine = normals_in_camera_[static_cast<size_t>(plane_[i])].dot(x) / range;
       const float rim_range = range + radius_m_ * std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-      canvas_.draw(pixels_[i], radius_px, range, rim_range, plane);
+      canvas_.draw(pixel, radius_px, range, rim_range, plane_[i]);
     }
+    block_.clear();
   }
 
   const Canvas& canvas() const { return canvas_; }
 
  private:
-  struct Patch {
-    int32_t plane;
-    float range;
-  };
-
   const PlaneSurface& surface_;
   const Camera& camera_;
-  Eigen::Matrix3f rotation_;
-  Eigen::Vector3f center_from_origin_;
-  TangentBox box_;
   float radius_m_;
   float max_distance_m_;
   Canvas canvas_;
   std::vector<Eigen::Vector3f> normals_in_camera_;  // by plane
-  std::vector<Patch> patches_;
-  std::vector<Eigen::Vector3f> x_in_camera_;
-  std::vector<Eigen::Vector2f> pixels_;
+  PointBlock block_;
+  std::array<int32_t, PointBlock::kSize> plane_;
 };
+
+// The layer whose nodes are looked at whole: some tens of patches each.
+int node_layer(const VoxelMap& map) { return std::max(0, map.leaf_layer() - kNodeLayersAboveLeaves); }
 
 }  // namespace
 
@@ -158,15 +172,16 @@ PlaneBuffer render_plane_buffer(const VoxelMap& map, const PlaneSegmentation& pl
                                 const Camera& camera, const Rigid3& camera_from_map,
                                 const PlaneBufferOptions& options) {
   PatchDrawer drawer(map, planes, surface, camera, camera_from_map, options);
-  const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  for (const uint32_t root :
-       map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), options.max_distance_m)) {
-    const auto [leaf_begin, leaf_end] = leaves_of(map, 0, root);
-    const auto first = std::lower_bound(surface.leaves.begin(), surface.leaves.end(), leaf_begin);
-    const auto last = std::lower_bound(first, surface.leaves.end(), leaf_end);
-    drawer.draw(static_cast<size_t>(first - surface.leaves.begin()),
-                static_cast<size_t>(last - surface.leaves.begin()));
+  auto first = surface.leaves.begin();
+  for (const uint32_t node : nodes_in_view(map, node_layer(map), camera, camera_from_map, options.max_distance_m,
+                                           patch_radius_m(map), HiddenRanges())) {
+    const auto [leaf_begin, leaf_end] = leaves_of(map, node_layer(map), node);
+    first = lower_bound_near(first, surface.leaves.end(), leaf_begin);
+    const auto last = lower_bound_near(first, surface.leaves.end(), leaf_end);
+    drawer.add(static_cast<size_t>(first - surface.leaves.begin()), static_cast<size_t>(last - surface.leaves.begin()));
+    first = last;
   }
+  drawer.flush();
 
   PlaneBuffer buffer;
   buffer.camera = camera;

@@ -35,10 +35,15 @@ double finest_spacing(const VoxelMap& map, int layer, const Counts& counts) {
 
 }  // namespace
 
-std::vector<float> leaf_point_spacing(const VoxelMap& map) {
-  if (map.num_layers() == 0) return {};
+int point_spacing_layer(const VoxelMap& map) {
   int layer = map.leaf_layer();
   while (layer > 0 && map.voxel_size(layer - 1) <= kNodeM * 1.001) --layer;
+  return layer;
+}
+
+std::vector<float> leaf_point_spacing(const VoxelMap& map) {
+  if (map.num_layers() == 0) return {};
+  const int layer = point_spacing_layer(map);
 
   std::vector<Counts> counts;
   counts.reserve(map.num_nodes(layer));

@@ -12,4 +12,7 @@ namespace cpplus {
 /// surroundings have too few points to be a surface. Linear in the leaves.
 std::vector<float> leaf_point_spacing(const VoxelMap& map);
 
+/// The layer whose nodes each have one spacing in all their leaves. The map must not be empty.
+int point_spacing_layer(const VoxelMap& map);
+
 }  // namespace cpplus

@@ -29,13 +29,22 @@ CPPLUS_VECTOR_CLONES void nearest_of_three(const RangeKey* in, size_t count, Ran
 
 }  // namespace
 
-CPPLUS_VECTOR_CLONES void draw_rectangle(int first_x, int last_x, int first_y, int last_y, RangeKey key,
-                                         Image<RangeKey>* keys) {
+void draw_rectangle(int first_x, int last_x, int first_y, int last_y, RangeKey key, Image<RangeKey>* keys) {
   first_y = std::max(0, first_y);
   last_y = std::min(keys->height - 1, last_y);
-  for (int y = first_y; y <= last_y; ++y) {
-    RangeKey* row = &keys->at(0, y);
-    for (int x = first_x; x <= last_x; ++x) row[x] = key < row[x] ? key : row[x];
+  if (first_y > last_y) return;
+  // Most rectangles are some cells wide: two cells are a vector that every processor has.
+  const std::ptrdiff_t width = last_x - first_x + 1;
+  RangeKey* row = &keys->at(first_x, first_y);
+  for (int y = first_y; y <= last_y; ++y, row += keys->width) {
+    std::ptrdiff_t x = 0;
+    for (; x + 2 <= width; x += 2) {
+      const RangeKey a = key < row[x] ? key : row[x];
+      const RangeKey b = key < row[x + 1] ? key : row[x + 1];
+      row[x] = a;
+      row[x + 1] = b;
+    }
+    if (x < width) row[x] = key < row[x] ? key : row[x];
   }
 }
 

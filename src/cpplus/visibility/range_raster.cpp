@@ -6,11 +6,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
-#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/vector_clones.h"
-#include "cpplus/geometry/tangent_box.h"
-#include "cpplus/visibility/hidden_ranges.h"
 #include "cpplus/visibility/range_keys.h"
 
 namespace cpplus {
@@ -21,7 +19,6 @@ constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 // hardly any larger ones.
 constexpr float kHalfSquareSpacings = 1.0f;
 constexpr int kMaxHalfCells = 12;
-constexpr size_t kUsualPoints = 1 << 20;  // of a view
 
 int half_cells(float spacing_px, float inverse_cell) {
   const int half = static_cast<int>(kHalfSquareSpacings * spacing_px * inverse_cell + 0.5f);
@@ -33,237 +30,155 @@ RangeKey key_of(const ProjectedPoint& point) {
 }
 float spacing_of(RangeKey key) { return std::bit_cast<float>(what_of(key)); }
 
+// Half the width in cells of the square of the point that each cell shows, 0 where it shows none.
+CPPLUS_VECTOR_CLONES void halves_of(const RangeKey* keys, size_t count, float inverse_cell, uint8_t* half) {
+  for (size_t i = 0; i < count; ++i) {
+    const int of_key = half_cells(spacing_of(keys[i]), inverse_cell);
+    half[i] = static_cast<uint8_t>(keys[i] == kNoRangeKey ? 0 : of_key);
+  }
+}
+
+Image<uint8_t> halves_of(const Image<RangeKey>& keys, float inverse_cell) {
+  Image<uint8_t> half(keys.width, keys.height);
+  halves_of(keys.pixels.data(), keys.pixels.size(), inverse_cell, half.pixels.data());
+  return half;
+}
+
+// Takes the keys of squares of one size where they are nearer.
+CPPLUS_VECTOR_CLONES void take_halves(const RangeKey* from, const uint8_t* half, uint8_t which, size_t count,
+                                      RangeKey* to) {
+  for (size_t i = 0; i < count; ++i) {
+    const RangeKey key = half[i] == which ? from[i] : kNoRangeKey;
+    to[i] = key < to[i] ? key : to[i];
+  }
+}
+
 // Spreads each point over its square, the nearest winning. Squares grow by one cell a step, the larger ones from an
 // earlier step on; the few very large ones are drawn one by one.
 Image<RangeKey> dilate(const Image<RangeKey>& in, float inverse_cell) {
-  constexpr int kMostSteps = 4;
-  std::array<std::vector<size_t>, kMostSteps + 1> cells_of_half;
-  Image<RangeKey> large(in.width, in.height, kNoRangeKey);
-  size_t cell = 0;
+  constexpr uint8_t kMostSteps = 4;
+  const Image<uint8_t> half = halves_of(in, inverse_cell);
+  Image<RangeKey> large;
+  std::array<bool, kMaxHalfCells + 1> occurs{};
   for (int y = 0; y < in.height; ++y) {
-    for (int x = 0; x < in.width; ++x, ++cell) {
-      if (in.pixels[cell] == kNoRangeKey) continue;
-      const int half = half_cells(spacing_of(in.pixels[cell]), inverse_cell);
-      if (half <= kMostSteps) {
-        cells_of_half[static_cast<size_t>(half)].push_back(cell);
-      } else {
-        draw_rectangle(std::max(0, x - half), std::min(in.width - 1, x + half), y - half, y + half, in.pixels[cell],
-                       &large);
-      }
+    for (int x = 0; x < in.width; ++x) {
+      const int h = half.at(x, y);
+      occurs[static_cast<size_t>(h)] = true;
+      if (h <= kMostSteps) continue;
+      if (large.empty()) large = Image<RangeKey>(in.width, in.height, kNoRangeKey);
+      draw_rectangle(std::max(0, x - h), std::min(in.width - 1, x + h), y - h, y + h, in.at(x, y), &large);
     }
   }
   Image<RangeKey> out(in.width, in.height, kNoRangeKey);
-  for (size_t half = kMostSteps; half > 0; --half) {
-    for (const size_t c : cells_of_half[half]) out.pixels[c] = std::min(out.pixels[c], in.pixels[c]);
+  bool any = false;
+  for (uint8_t step = kMostSteps; step > 0; --step) {
+    any |= occurs[step];
+    if (!any) continue;
+    take_halves(in.pixels.data(), half.pixels.data(), step, in.pixels.size(), out.pixels.data());
     spread_by_one(&out);
   }
-  take_nearer(large, &out);
+  if (!large.empty()) take_nearer(large, &out);
   return out;
 }
 
-Image<uint8_t> transpose(const Image<uint8_t>& in) {
-  Image<uint8_t> out(in.height, in.width);
-  for (int y = 0; y < in.height; ++y) {
-    for (int x = 0; x < in.width; ++x) out.at(y, x) = in.at(x, y);
+// What each cell shows: range (kNoSurface where nothing) and spacing (0).
+CPPLUS_VECTOR_CLONES void unpack(const RangeKey* keys, size_t count, float* range, float* spacing_px) {
+  for (size_t i = 0; i < count; ++i) {
+    range[i] = keys[i] == kNoRangeKey ? kNoSurface : range_of(keys[i]);
+    spacing_px[i] = spacing_of(keys[i]);  // of no key 0
+  }
+}
+static_assert(std::bit_cast<uint64_t>(kNoRangeKey) << 32 == 0);
+
+// The largest range within half[x] cells of each cell of a line of cells, kNoSurface where half is 0. neighbor(h) gives
+// the lines of cells h before and h after.
+template <typename Neighbor>
+[[gnu::always_inline]] inline void erode_line(const uint8_t* half, const float* in, int width, const Neighbor& neighbor,
+                                              float* largest, float* out) {
+  uint8_t widest = 0;
+  for (int x = 0; x < width; ++x) widest = widest < half[x] ? half[x] : widest;
+  for (int x = 0; x < width; ++x) largest[x] = in[x];
+  for (int x = 0; x < width; ++x) out[x] = kNoSurface;
+  for (int h = 1; h <= widest; ++h) {
+    const auto [before, after] = neighbor(h);
+    for (int x = 0; x < width; ++x) {
+      const float farther = before[x] < after[x] ? after[x] : before[x];
+      largest[x] = largest[x] < farther ? farther : largest[x];
+      out[x] = half[x] == h ? largest[x] : out[x];
+    }
+  }
+}
+
+CPPLUS_VECTOR_CLONES void erode_along_row(const uint8_t* half, const float* padded, int width, float* largest,
+                                          float* out) {
+  erode_line(
+      half, padded, width, [&](int h) { return std::pair(padded - h, padded + h); }, largest, out);
+}
+
+CPPLUS_VECTOR_CLONES void erode_across_rows(const uint8_t* half, const float* in, int width, int y, int height,
+                                            float* largest, float* out) {
+  const std::ptrdiff_t stride = width;
+  erode_line(
+      half, in, width,
+      [&](int h) {
+        // Beyond the border the row itself, which counts already.
+        return std::pair(y - h < 0 ? in : in - h * stride, y + h >= height ? in : in + h * stride);
+      },
+      largest, out);
+  for (int x = 0; x < width; ++x) out[x] = out[x] == kNoSurface ? 0.0f : out[x];
+}
+
+// The largest range within the square of the point that each cell shows, one axis after the other; 0 where it shows
+// none or the square reaches beyond the surface.
+RangeImage erode(const Image<uint8_t>& half, RangeImage range) {
+  std::vector<float> padded(static_cast<size_t>(range.width + 2 * kMaxHalfCells), 0.0f);
+  std::vector<float> largest(static_cast<size_t>(range.width));
+  for (int y = 0; y < range.height; ++y) {
+    float* row = &range.at(0, y);
+    std::copy_n(row, range.width, padded.begin() + kMaxHalfCells);
+    erode_along_row(&half.at(0, y), padded.data() + kMaxHalfCells, range.width, largest.data(), row);
+  }
+  RangeImage out(range.width, range.height);
+  for (int y = 0; y < range.height; ++y) {
+    erode_across_rows(&half.at(0, y), &range.at(0, y), range.width, y, range.height, largest.data(), &out.at(0, y));
   }
   return out;
 }
-
-// Largest values of windows of one row, each in two look-ups: tables hold those of windows of 1, 2, 4, 8 and 16 cells.
-class RowMaxima {
- public:
-  explicit RowMaxima(int width) {
-    for (std::vector<float>& table : tables_) table.assign(static_cast<size_t>(width), 0.0f);
-  }
-
-  void set(const float* row) {
-    std::copy_n(row, tables_[0].size(), tables_[0].begin());
-    for (size_t k = 1; k < tables_.size(); ++k) {
-      const size_t half = size_t{1} << (k - 1);
-      if (tables_[0].size() < 2 * half) break;
-      larger_of_two(tables_[k - 1].data(), half, tables_[0].size() - 2 * half + 1, tables_[k].data());
-    }
-  }
-
-  // Of the cells first ... last, at most 2 * kMaxHalfCells + 1.
-  float largest(int first, int last) const {
-    const auto k = static_cast<size_t>(std::bit_width(static_cast<uint32_t>(last - first + 1)) - 1);
-    return std::max(tables_[k][static_cast<size_t>(first)], tables_[k][static_cast<size_t>(last + 1 - (1 << k))]);
-  }
-
- private:
-  CPPLUS_VECTOR_CLONES static void larger_of_two(const float* in, size_t apart, size_t count, float* out) {
-    for (size_t i = 0; i < count; ++i) out[i] = in[i] < in[i + apart] ? in[i + apart] : in[i];
-  }
-
-  std::array<std::vector<float>, 5> tables_;
-};
-static_assert(2 * kMaxHalfCells + 1 < 32);
-
-// The largest range within the square's width of the point that won a cell, as a column. `half` is half that width in
-// cells, 0 where no point did.
-RangeImage erode_rows(const Image<uint8_t>& half, const RangeImage& in) {
-  RangeImage transposed(in.height, in.width, kNoSurface);
-  RowMaxima maxima(in.width);
-  for (int y = 0; y < in.height; ++y) {
-    maxima.set(&in.at(0, y));
-    const uint8_t* half_of = &half.at(0, y);
-    for (int x = 0; x < in.width; ++x) {
-      if (half_of[x] == 0) continue;
-      transposed.at(y, x) = maxima.largest(std::max(0, x - half_of[x]), std::min(in.width - 1, x + half_of[x]));
-    }
-  }
-  return transposed;
-}
-
-// The points of some leaves in the camera's frame, waiting for their projection.
-class PointProjector {
- public:
-  PointProjector(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
-                 double max_distance_m, std::vector<ProjectedPoint>* points)
-      : map_(map),
-        leaf_spacing_(leaf_spacing),
-        camera_(planes.camera),
-        rotation_(planes.camera_from_map.rotation.toRotationMatrix().cast<float>()),
-        // float32 holds 40 m to micrometres: the large offsets cancel in double first.
-        center_from_origin_((camera_center(planes.camera_from_map) - map.origin()).cast<float>()),
-        box_(tangent_box(planes.camera)),
-        hidden_(planes),
-        min_cos_(static_cast<float>(std::cos(planes.camera.max_view_angle()))),
-        max_range_(static_cast<float>(max_distance_m)),
-        leaf_diagonal_(static_cast<float>(std::sqrt(3.0) * map.options().leaf_size_m)),
-        points_(*points) {}
-
-  void add_leaves(const NodeRange& leaves) {
-    for (const uint32_t seen : leaves_in_view(leaves)) {
-      add_points(map_.points_begin(map_.leaf_layer(), seen), map_.points_end(map_.leaf_layer(), seen),
-                 leaf_spacing_[seen]);
-    }
-    project();
-  }
-
- private:
-  // Those that the image may show, told by their first points.
-  const std::vector<uint32_t>& leaves_in_view(const NodeRange& leaves) {
-    leaves_.clear();
-    x_in_camera_.clear();
-    for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
-      if (!std::isfinite(leaf_spacing_[leaf])) continue;
-      const Eigen::Vector3f first = in_camera(map_.points_begin(map_.leaf_layer(), leaf));
-      if (box_.excludes(first, leaf_diagonal_) || first.norm() > max_range_ + leaf_diagonal_) continue;
-      leaves_.push_back(leaf);
-      x_in_camera_.push_back(first);
-    }
-    camera_.project(x_in_camera_, &pixels_);
-    size_t kept = 0;
-    for (size_t k = 0; k < leaves_.size(); ++k) {
-      if (!hidden_.hides(pixels_[k], x_in_camera_[k].norm())) leaves_[kept++] = leaves_[k];
-    }
-    leaves_.resize(kept);
-    x_in_camera_.clear();
-    return leaves_;
-  }
-
-  void add_points(uint32_t i, uint32_t end, float spacing) {
-    for (; i < end; ++i) {
-      const Eigen::Vector3f x = in_camera(i);
-      const float squared_range = x.squaredNorm();
-      if (!(squared_range <= max_range_ * max_range_ && squared_range > 1e-6f) || box_.excludes(x)) continue;
-      const float range = std::sqrt(squared_range);
-      if (x.z() < min_cos_ * range) continue;
-      x_in_camera_.push_back(x);
-      ranges_.push_back({range, spacing});
-    }
-  }
-
-  Eigen::Vector3f in_camera(uint32_t i) const { return rotation_ * (map_.positions()[i] - center_from_origin_); }
-
-  void project() {
-    camera_.project(x_in_camera_, &pixels_);
-    const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
-    const Eigen::Array2f last(static_cast<float>(camera_.width()) - 0.5f, static_cast<float>(camera_.height()) - 0.5f);
-    for (size_t k = 0; k < pixels_.size(); ++k) {
-      const Eigen::Vector2f& pixel = pixels_[k];
-      if (!(pixel.x() >= -0.5f && pixel.y() >= -0.5f && pixel.x() < last.x() && pixel.y() < last.y())) continue;
-      points_.push_back({pixel, ranges_[k].range, ranges_[k].spacing / ranges_[k].range * pixels_per_radian});
-    }
-    x_in_camera_.clear();
-    ranges_.clear();
-  }
-
-  struct Range {
-    float range;
-    float spacing;
-  };
-
-  const VoxelMap& map_;
-  const std::vector<float>& leaf_spacing_;
-  const Camera& camera_;
-  Eigen::Matrix3f rotation_;
-  Eigen::Vector3f center_from_origin_;
-  TangentBox box_;
-  HiddenRanges hidden_;
-  float min_cos_;
-  float max_range_;
-  float leaf_diagonal_;
-  std::vector<ProjectedPoint>& points_;
-  std::vector<uint32_t> leaves_;
-  std::vector<Eigen::Vector3f> x_in_camera_;
-  std::vector<Range> ranges_;
-  std::vector<Eigen::Vector2f> pixels_;
-};
 
 }  // namespace
 
-std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
-                                           const PlaneBuffer& planes, double max_distance_m) {
-  std::vector<ProjectedPoint> points;
-  if (map.num_layers() == 0) return points;
-  points.reserve(std::min(map.num_points() / 4, kUsualPoints));
-  PointProjector projector(map, leaf_spacing, planes, max_distance_m, &points);
-  const Rigid3& camera_from_map = planes.camera_from_map;
-  const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  for (const uint32_t root :
-       map.roots_in_frustum(camera_center(camera_from_map), axis, planes.camera.max_view_angle(), max_distance_m)) {
-    projector.add_leaves(leaves_of(map, 0, root));
-  }
-  return points;
+RangeRasterDrawer::RangeRasterDrawer(const Camera& camera, double cell_px)
+    : nearest_(static_cast<int>(std::ceil(camera.width() / cell_px)),
+               static_cast<int>(std::ceil(camera.height() / cell_px)), kNoRangeKey) {
+  raster_.cell_px = cell_px;
 }
 
-RangeRaster draw_range_raster(const std::vector<ProjectedPoint>& points, const Camera& camera, double cell_px) {
-  RangeRaster raster;
-  raster.cell_px = cell_px;
-  const int width = static_cast<int>(std::ceil(camera.width() / cell_px));
-  const int height = static_cast<int>(std::ceil(camera.height() / cell_px));
-  const float inverse_cell = 1.0f / static_cast<float>(cell_px);
-
-  Image<RangeKey> nearest(width, height, kNoRangeKey);  // point of each cell
+void RangeRasterDrawer::add(std::span<const ProjectedPoint> points) {
   for (const ProjectedPoint& point : points) {
-    const Eigen::Vector2i at = raster.cell_of(point.pixel);
-    if (!nearest.contains(at.x(), at.y())) continue;
-    nearest.at(at.x(), at.y()) = std::min(nearest.at(at.x(), at.y()), key_of(point));
+    const Eigen::Vector2i at = raster_.cell_of(point.pixel);
+    if (!nearest_.contains(at.x(), at.y())) continue;
+    RangeKey& nearest = nearest_.at(at.x(), at.y());
+    nearest = std::min(nearest, key_of(point));
   }
-  nearest = dilate(nearest, inverse_cell);
-
-  RangeImage dilated(width, height, kNoSurface);
-  Image<uint8_t> half(width, height, 0);
-  raster.spacing_px = RangeImage(width, height, 0.0f);
-  for (size_t i = 0; i < nearest.pixels.size(); ++i) {
-    const RangeKey key = nearest.pixels[i];
-    if (key == kNoRangeKey) continue;
-    dilated.pixels[i] = range_of(key);
-    raster.spacing_px.pixels[i] = spacing_of(key);
-    half.pixels[i] = static_cast<uint8_t>(half_cells(spacing_of(key), inverse_cell));
-  }
-  // The squares' borders are taken away again, one axis after the other.
-  raster.range = erode_rows(transpose(half), erode_rows(half, dilated));
-  for (float& range : raster.range.pixels) {
-    if (range == kNoSurface) range = 0.0f;
-  }
-  return raster;
 }
 
-void add_mean_ranges(const std::vector<ProjectedPoint>& points, double depth_m, RangeRaster* raster) {
+RangeRaster RangeRasterDrawer::finish() && {
+  const float inverse_cell = 1.0f / static_cast<float>(raster_.cell_px);
+  const Image<RangeKey> keys = dilate(nearest_, inverse_cell);
+  RangeImage dilated(keys.width, keys.height);
+  raster_.spacing_px = RangeImage(keys.width, keys.height);
+  unpack(keys.pixels.data(), keys.pixels.size(), dilated.pixels.data(), raster_.spacing_px.pixels.data());
+  raster_.range = erode(halves_of(keys, inverse_cell), std::move(dilated));
+  return std::move(raster_);
+}
+
+RangeRaster draw_range_raster(std::span<const ProjectedPoint> points, const Camera& camera, double cell_px) {
+  RangeRasterDrawer drawer(camera, cell_px);
+  drawer.add(points);
+  return std::move(drawer).finish();
+}
+
+void add_mean_ranges(std::span<const ProjectedPoint> points, double depth_m, RangeRaster* raster) {
   const int width = raster->range.width;
   const int height = raster->range.height;
   raster->mean_range = RangeImage(width, height, 0.0f);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "cpplus/visibility/range_raster.h"
 
@@ -17,6 +18,7 @@ constexpr size_t kMinBins = 5;
 // Few points may lie on a line by chance.
 constexpr double kMinScatterPx = 0.3;
 constexpr double kMinRangeScatterM = 0.02;
+constexpr size_t kUsualPoints = 1 << 19;  // of a view
 
 // A straight piece of an outline in the image, before its points are looked at.
 struct Piece {
@@ -107,9 +109,8 @@ class PieceCutter {
   const SilhouetteOptions& options_;
 };
 
-// Calls visit(cell) for the cells whose middle lies in the strip of a piece.
-template <typename Visit>
-void for_each_cell(const RangeRaster& raster, const Piece& piece, const Visit& visit) {
+// Indices of the cells whose middle lies in the strip of a piece, row by row.
+void add_cells(const RangeRaster& raster, const Piece& piece, std::vector<uint32_t>* cells) {
   const double inside = piece.strip_px() + 2.0 * piece.margin_px(raster.cell_px);
   const double outside = 2.0 * piece.margin_px(raster.cell_px);
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
@@ -131,7 +132,7 @@ void for_each_cell(const RangeRaster& raster, const Piece& piece, const Visit& v
       const double v = piece.outward.dot(d);
       const double t = piece.along.dot(d);
       if (v < -inside || v > outside || t < -raster.cell_px || t > piece.length_px + raster.cell_px) continue;
-      visit(x, y);
+      cells->push_back(static_cast<uint32_t>(y * raster.range.width + x));
     }
   }
 }
@@ -139,53 +140,71 @@ void for_each_cell(const RangeRaster& raster, const Piece& piece, const Visit& v
 // The projected points in the cells of some pieces, cell by cell.
 class PointsNearPieces {
  public:
-  PointsNearPieces(const std::vector<ProjectedPoint>& points, const std::vector<Piece>& pieces,
-                   const RangeRaster& raster)
-      : first_(raster.range.width, raster.range.height, -1) {
+  PointsNearPieces(std::span<const ProjectedPoint> points, const std::vector<Piece>& pieces, const RangeRaster& raster)
+      : slot_(raster.range.width, raster.range.height, kNoSlot) {
     for (const Piece& piece : pieces) {
-      for_each_cell(raster, piece, [&](int x, int y) { first_.at(x, y) = 0; });
+      pieces_begin_.push_back(cells_.size());
+      add_cells(raster, piece, &cells_);
     }
-    std::vector<std::pair<int32_t*, const ProjectedPoint*>> kept;
-    for (const ProjectedPoint& point : points) {
-      const Eigen::Vector2i cell = raster.cell_of(point.pixel);
-      if (!first_.contains(cell.x(), cell.y()) || first_.at(cell.x(), cell.y()) < 0) continue;
-      kept.emplace_back(&first_.at(cell.x(), cell.y()), &point);
-      ++*kept.back().first;
+    pieces_begin_.push_back(cells_.size());
+    int32_t num_slots = 0;
+    for (const uint32_t cell : cells_) {
+      if (slot_.pixels[cell] == kNoSlot) slot_.pixels[cell] = num_slots++;
     }
-    int32_t end = 0;
-    for (int32_t& first : first_.pixels) {
-      if (first >= 0) first = end += first;
-    }
-    sorted_.resize(kept.size());
-    for (size_t i = kept.size(); i-- > 0;) sorted_[static_cast<size_t>(--*kept[i].first)] = *kept[i].second;
-    num_sorted_ = end;
+    sort(points, raster, static_cast<size_t>(num_slots));
   }
 
+  // Of the k-th piece.
   template <typename Visit>
-  void for_each_in(int x, int y, const Visit& visit) const {
-    if (first_.at(x, y) < 0) return;
-    for (int32_t i = first_.at(x, y); i < end_of(x, y); ++i) visit(sorted_[static_cast<size_t>(i)]);
+  void for_each_near(size_t k, const Visit& visit) const {
+    for (size_t c = pieces_begin_[k]; c < pieces_begin_[k + 1]; ++c) {
+      const auto slot = static_cast<size_t>(slot_.pixels[cells_[c]]);
+      for (size_t i = first_[slot]; i < first_[slot + 1]; ++i) visit(sorted_[i]);
+    }
   }
 
  private:
-  // Cells in between that hold nothing of interest are skipped.
-  int32_t end_of(int x, int y) const {
-    for (size_t k = static_cast<size_t>(y) * static_cast<size_t>(first_.width) + static_cast<size_t>(x) + 1;
-         k < first_.pixels.size(); ++k) {
-      if (first_.pixels[k] >= 0) return first_.pixels[k];
+  static constexpr int32_t kNoSlot = -1;
+
+  void sort(std::span<const ProjectedPoint> points, const RangeRaster& raster, size_t num_slots) {
+    struct Kept {
+      uint32_t slot;
+      uint32_t point;
+    };
+    std::vector<Kept> kept;
+    first_.assign(num_slots + 1, 0);
+    if (num_slots == 0) return;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector2i cell = raster.cell_of(points[i].pixel);
+      if (!slot_.contains(cell.x(), cell.y()) || slot_.at(cell.x(), cell.y()) == kNoSlot) continue;
+      kept.push_back({static_cast<uint32_t>(slot_.at(cell.x(), cell.y())), static_cast<uint32_t>(i)});
+      ++first_[kept.back().slot];
     }
-    return num_sorted_;
+    uint32_t end = 0;
+    for (uint32_t& first : first_) first = end += first;
+    sorted_.resize(kept.size());
+    for (size_t i = kept.size(); i-- > 0;) sorted_[--first_[kept[i].slot]] = points[kept[i].point];
   }
 
-  Image<int32_t> first_;  // per cell: index of its first point; -1 = not near a piece
+  std::vector<uint32_t> cells_;       // of all pieces
+  std::vector<size_t> pieces_begin_;  // in cells_
+  Image<int32_t> slot_;               // of each cell near a piece
+  std::vector<uint32_t> first_;       // of a slot's points
   std::vector<ProjectedPoint> sorted_;
-  int32_t num_sorted_ = 0;
+};
+
+// A point of the near surface.
+struct SurfacePoint {
+  double v;  // outward, pixels
+  double t;  // along, pixels
+  double range;
+  uint32_t bin;
 };
 
 // An outermost point of the near surface.
 struct BinPoint {
-  double v;  // outward, pixels
-  double t;  // along, pixels
+  double v;
+  double t;
   double range;
 };
 
@@ -204,49 +223,64 @@ struct FittedOutline {
 // The outermost points of the near surface along a piece, one a bin, and the line through them.
 class OutlineFit {
  public:
-  OutlineFit(const Piece& piece, const PointsNearPieces& points, const RangeRaster& raster,
-             const SilhouetteOptions& options)
-      : piece_(piece), options_(options), bin_px_(std::max(3.0, 0.6 * piece.spacing_px)) {
-    bins_.resize(static_cast<size_t>(std::max(1.0, std::round(piece.length_px / bin_px_))));
-    bin_px_ = piece.length_px / static_cast<double>(bins_.size());
-    const double margin = piece.margin_px(raster.cell_px);
-    for_each_cell(raster, piece, [&](int x, int y) {
-      points.for_each_in(x, y, [&](const ProjectedPoint& point) {
-        const Eigen::Vector2d d = point.pixel.cast<double>() - piece.start;
-        const double t = piece.along.dot(d);
-        const double v = piece.outward.dot(d);
-        if (t < 0.0 || t >= piece.length_px || v > margin || v < -piece.strip_px() - margin) return;
-        const double range = static_cast<double>(point.range);
-        const double near = piece.range_at(t);
-        if (std::abs(range - near) > 0.5 * options.jump.jump_at(near)) return;
-        bins_[std::min(bins_.size() - 1, static_cast<size_t>(t / bin_px_))].push_back({v, t, range});
-      });
-    });
-  }
+  explicit OutlineFit(const SilhouetteOptions& options) : options_(options) {}
 
-  std::optional<FittedOutline> run() {
-    std::vector<BinPoint> outermost;
-    std::vector<double> gaps;
-    const double margin = piece_.margin_px(options_.cell_px);
-    for (std::vector<BinPoint>& bin : bins_) {
-      double v = -std::numeric_limits<double>::infinity();
-      const BinPoint* best = nullptr;
-      for (const BinPoint& point : bin) {
-        if (point.v > v) v = point.v, best = &point;
-      }
-      if (!best || v < -margin) continue;
-      const double strip = piece_.strip_px();
-      const auto count = std::count_if(bin.begin(), bin.end(), [&](const BinPoint& p) { return p.v > v - strip; });
-      if (count < 2) continue;
-      const double gap = strip / static_cast<double>(count);
-      gaps.push_back(gap);
-      outermost.push_back({v + kSpacingCorrection * gap, best->t, best->range});
+  std::optional<FittedOutline> run(const std::vector<Piece>& pieces, size_t k, const PointsNearPieces& points) {
+    collect(pieces[k], k, points);
+    find_outermost();
+    const double margin = pieces[k].margin_px(options_.cell_px);
+    const double strip = pieces[k].strip_px();
+    outermost_.clear();
+    gaps_.clear();
+    for (const Bin& bin : bins_) {
+      if (!bin.outermost || bin.outermost->v < -margin || bin.count < 2) continue;
+      const double gap = strip / static_cast<double>(bin.count);
+      gaps_.push_back(gap);
+      outermost_.push_back({bin.outermost->v + kSpacingCorrection * gap, bin.outermost->t, bin.outermost->range});
     }
-    if (outermost.size() < kMinBins || outermost.size() * 4 < bins_.size() * 3) return std::nullopt;
-    return fit(outermost, median_of(&gaps));
+    if (outermost_.size() < kMinBins || outermost_.size() * 4 < bins_.size() * 3) return std::nullopt;
+    return fit(outermost_, median_of(&gaps_));
   }
 
  private:
+  struct Bin {
+    const SurfacePoint* outermost = nullptr;
+    size_t count = 0;  // points in the strip inside of it
+  };
+
+  // The points of the near surface, and how many bins they fall into.
+  void collect(const Piece& piece, size_t k, const PointsNearPieces& points) {
+    const double wanted_bin_px = std::max(3.0, 0.6 * piece.spacing_px);
+    const size_t num_bins = static_cast<size_t>(std::max(1.0, std::round(piece.length_px / wanted_bin_px)));
+    const double bin_px = piece.length_px / static_cast<double>(num_bins);
+    bins_.assign(num_bins, {});
+    surface_.clear();
+    strip_px_ = piece.strip_px();
+    const double margin = piece.margin_px(options_.cell_px);
+    points.for_each_near(k, [&](const ProjectedPoint& point) {
+      const Eigen::Vector2d d = point.pixel.cast<double>() - piece.start;
+      const double t = piece.along.dot(d);
+      const double v = piece.outward.dot(d);
+      if (t < 0.0 || t >= piece.length_px || v > margin || v < -strip_px_ - margin) return;
+      const double range = static_cast<double>(point.range);
+      const double near = piece.range_at(t);
+      if (std::abs(range - near) > 0.5 * options_.jump.jump_at(near)) return;
+      const size_t bin = std::min(num_bins - 1, static_cast<size_t>(t / bin_px));
+      surface_.push_back({v, t, range, static_cast<uint32_t>(bin)});
+    });
+  }
+
+  void find_outermost() {
+    for (const SurfacePoint& point : surface_) {
+      Bin& bin = bins_[point.bin];
+      if (!bin.outermost || point.v > bin.outermost->v) bin.outermost = &point;
+    }
+    for (const SurfacePoint& point : surface_) {
+      Bin& bin = bins_[point.bin];
+      bin.count += point.v > bin.outermost->v - strip_px_;
+    }
+  }
+
   // Three times, from the second on without what is off by more than two deviations.
   std::optional<FittedOutline> fit(const std::vector<BinPoint>& samples, double gap_px) const {
     FittedOutline fitted;
@@ -280,10 +314,12 @@ class OutlineFit {
     return fitted;
   }
 
-  const Piece& piece_;
   const SilhouetteOptions& options_;
-  double bin_px_;
-  std::vector<std::vector<BinPoint>> bins_;
+  double strip_px_ = 0.0;
+  std::vector<SurfacePoint> surface_;
+  std::vector<Bin> bins_;
+  std::vector<BinPoint> outermost_;
+  std::vector<double> gaps_;
 };
 
 std::optional<MapEdge> lift(const Piece& piece, const FittedOutline& outline, const Camera& camera,
@@ -332,22 +368,28 @@ void SilhouetteOptions::validate() const {
 std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing,
                                       const PlaneBuffer& planes, const SilhouetteOptions& options) {
   if (!options.enabled) return {};
-  const std::vector<ProjectedPoint> points = project_points(map, leaf_spacing, planes, options.max_distance_m);
-  return find_silhouettes(points, draw_range_raster(points, planes.camera, options.cell_px), planes.camera,
-                          planes.camera_from_map, options);
+  RangeRasterDrawer drawer(planes.camera, options.cell_px);
+  std::vector<ProjectedPoint> points;
+  points.reserve(std::min(map.num_points(), kUsualPoints));
+  project_points(map, leaf_spacing, planes, options.max_distance_m, [&](std::span<const ProjectedPoint> some) {
+    drawer.add(some);
+    points.insert(points.end(), some.begin(), some.end());
+  });
+  return find_silhouettes(points, std::move(drawer).finish(), planes.camera, planes.camera_from_map, options);
 }
 
-std::vector<MapEdge> find_silhouettes(const std::vector<ProjectedPoint>& points, const RangeRaster& raster,
+std::vector<MapEdge> find_silhouettes(std::span<const ProjectedPoint> points, const RangeRaster& raster,
                                       const Camera& camera, const Rigid3& camera_from_map,
                                       const SilhouetteOptions& options) {
   std::vector<MapEdge> edges;
   if (!options.enabled) return edges;
   const std::vector<Piece> pieces = PieceCutter(raster, options).run();
   const PointsNearPieces near_points(points, pieces, raster);
-  for (const Piece& piece : pieces) {
-    const auto fitted = OutlineFit(piece, near_points, raster, options).run();
+  OutlineFit fit(options);
+  for (size_t k = 0; k < pieces.size(); ++k) {
+    const auto fitted = fit.run(pieces, k, near_points);
     if (!fitted) continue;
-    const auto edge = lift(piece, *fitted, camera, camera_from_map, options);
+    const auto edge = lift(pieces[k], *fitted, camera, camera_from_map, options);
     if (edge) edges.push_back(*edge);
   }
   return edges;

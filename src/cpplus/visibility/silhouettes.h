@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "cpplus/cloud/map_edge.h"
@@ -65,7 +66,7 @@ std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<flo
                                       const PlaneBuffer& planes, const SilhouetteOptions& options);
 
 /// The same from points that are projected and drawn already.
-std::vector<MapEdge> find_silhouettes(const std::vector<ProjectedPoint>& points, const RangeRaster& raster,
+std::vector<MapEdge> find_silhouettes(std::span<const ProjectedPoint> points, const RangeRaster& raster,
                                       const Camera& camera, const Rigid3& camera_from_map,
                                       const SilhouetteOptions& options);
 

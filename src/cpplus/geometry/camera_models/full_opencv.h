@@ -27,6 +27,8 @@ struct FullOpenCv : PerspectiveModel<FullOpenCv> {
     return g;
   }
 
+  static RadialCoefficients radial_coefficients(const double* p) { return {p[4], p[5], p[8], p[9], p[10], p[11]}; }
+
   static std::vector<std::vector<double>> slope_polynomials(const double* p) {
     const std::vector<double> n = {1.0, p[4], p[5], p[8]};
     const std::vector<double> d = {1.0, p[9], p[10], p[11]};

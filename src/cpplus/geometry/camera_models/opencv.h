@@ -21,6 +21,8 @@ struct OpenCv : PerspectiveModel<OpenCv> {
     return 1.0 + s * (p[4] + s * p[5]);
   }
 
+  static RadialCoefficients radial_coefficients(const double* p) { return {p[4], p[5]}; }
+
   static std::vector<std::vector<double>> slope_polynomials(const double* p) { return {{1.0, 3.0 * p[4], 5.0 * p[5]}}; }
 };
 

@@ -8,8 +8,12 @@
 #include <vector>
 
 #include "cpplus/geometry/camera_models/monotonic_range.h"
+#include "cpplus/geometry/perspective_block.h"
 
 namespace cpplus::camera_models {
+
+/// All radial factors are g(s) = (1 + k1 s + k2 s^2 + k3 s^3) / (1 + k4 s + k5 s^2 + k6 s^3).
+using RadialCoefficients = std::array<double, 6>;
 
 /// What the models with an image plane share. With x = X / Z, y = Y / Z, s = r^2 = x^2 + y^2:
 ///
@@ -20,8 +24,8 @@ namespace cpplus::camera_models {
 /// r < max_radius: within it r g(r^2) rises and the map (x, y) -> (u, v) does not fold, so it has an inverse.
 ///
 /// `Model` gives kNumFocals (1 or 2; then cx, cy, then the distortion), kTangential (index of p1, or -1),
-/// radial_factor(params, s, &dg_ds), and slope_polynomials(params): polynomials in s whose first sign change ends the
-/// monotonic range of r g(r^2).
+/// radial_factor(params, s, &dg_ds), radial_coefficients(params), and slope_polynomials(params): polynomials in s whose
+/// first sign change ends the monotonic range of r g(r^2).
 template <typename Model>
 struct PerspectiveModel {
   static constexpr double kMinDepth = 1e-9;  // metres
@@ -77,6 +81,20 @@ struct PerspectiveModel {
           b * j[2], b * j[3], -b * (j[2] * x + j[3] * y);
     }
     return true;
+  }
+
+  static PerspectiveCoefficients coefficients(const double* p, double max_radius) {
+    PerspectiveCoefficients c;
+    c.focal = {static_cast<float>(focal_x(p)), static_cast<float>(focal_y(p))};
+    c.center = {static_cast<float>(center_x(p)), static_cast<float>(center_y(p))};
+    const RadialCoefficients radial = Model::radial_coefficients(p);
+    for (size_t i = 0; i < radial.size(); ++i) c.radial[i] = static_cast<float>(radial[i]);
+    if constexpr (Model::kTangential >= 0) {
+      c.tangential = {static_cast<float>(p[Model::kTangential]), static_cast<float>(p[Model::kTangential + 1])};
+    }
+    c.min_depth = static_cast<float>(kMinDepth);
+    c.max_squared_radius = static_cast<float>(max_radius * max_radius);
+    return c;
   }
 
   /// Radial part by a bracketed Newton iteration, which cannot miss; then both coordinates by Newton's method, since

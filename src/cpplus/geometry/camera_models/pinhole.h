@@ -20,6 +20,8 @@ struct Pinhole : PerspectiveModel<Pinhole> {
     return 1.0;
   }
 
+  static RadialCoefficients radial_coefficients(const double*) { return {}; }
+
   static std::vector<std::vector<double>> slope_polynomials(const double*) { return {}; }
 };
 

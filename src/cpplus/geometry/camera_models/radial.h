@@ -20,6 +20,8 @@ struct Radial : PerspectiveModel<Radial> {
     return 1.0 + s * (p[3] + s * p[4]);
   }
 
+  static RadialCoefficients radial_coefficients(const double* p) { return {p[3], p[4]}; }
+
   static std::vector<std::vector<double>> slope_polynomials(const double* p) { return {{1.0, 3.0 * p[3], 5.0 * p[4]}}; }
 };
 

@@ -21,6 +21,8 @@ struct SimpleRadial : PerspectiveModel<SimpleRadial> {
     return 1.0 + p[3] * s;
   }
 
+  static RadialCoefficients radial_coefficients(const double* p) { return {p[3]}; }
+
   static std::vector<std::vector<double>> slope_polynomials(const double* p) { return {{1.0, 3.0 * p[3]}}; }
 };
 

@@ -1,0 +1,96 @@
+#include "cpplus/visibility/projected_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cpplus/cloud/node_range.h"
+#include "cpplus/visibility/hidden_ranges.h"
+#include "cpplus/visibility/nodes_in_view.h"
+#include "cpplus/visibility/point_block.h"
+#include "cpplus/visibility/point_spacing.h"
+
+namespace cpplus {
+namespace {
+
+constexpr size_t kUsualPoints = 1 << 20;  // of a view
+
+// Points of some nodes, a block at a time.
+class PointProjector {
+ public:
+  using Visit = std::function<void(std::span<const ProjectedPoint>)>;
+
+  PointProjector(const VoxelMap& map, const PlaneBuffer& planes, double max_distance_m, const Visit& visit)
+      : map_(map),
+        camera_(planes.camera),
+        min_cos_(static_cast<float>(std::cos(planes.camera.max_view_angle()))),
+        max_range_(static_cast<float>(max_distance_m)),
+        visit_(visit),
+        block_(planes.camera, planes.camera_from_map, map.origin()) {}
+
+  void add(uint32_t begin, uint32_t end, float spacing) {
+    for (; begin < end; ++begin) {
+      spacing_[block_.size()] = spacing;
+      block_.add(map_.positions()[begin]);
+      if (block_.full()) flush();
+    }
+  }
+
+  void flush() {
+    block_.project();
+    const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
+    const float last_column = static_cast<float>(camera_.width()) - 0.5f;
+    const float last_row = static_cast<float>(camera_.height()) - 0.5f;
+    size_t count = 0;
+    for (size_t i = 0; i < block_.size(); ++i) {
+      const float range = block_.range(i);
+      const Eigen::Vector2f pixel(block_.column(i), block_.row(i));
+      const bool in_view = (pixel.x() >= -0.5f) & (pixel.y() >= -0.5f) & (pixel.x() < last_column) &
+                           (pixel.y() < last_row) & (range <= max_range_) & (range > kMinRangeM) &
+                           (block_.z(i) >= min_cos_ * range);
+      // Written in any case: most are in view, and the next one takes the place of one that is not.
+      points_[count] = {pixel, range, spacing_[i] / range * pixels_per_radian};
+      count += in_view;
+    }
+    visit_({points_.data(), count});
+    block_.clear();
+  }
+
+ private:
+  static constexpr float kMinRangeM = 1e-3f;
+
+  const VoxelMap& map_;
+  const Camera& camera_;
+  float min_cos_;
+  float max_range_;
+  const Visit& visit_;
+  PointBlock block_;
+  std::array<float, PointBlock::kSize> spacing_;
+  std::array<ProjectedPoint, PointBlock::kSize> points_;
+};
+
+}  // namespace
+
+void project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
+                    double max_distance_m, const std::function<void(std::span<const ProjectedPoint>)>& visit) {
+  if (map.num_layers() == 0) return;
+  const int layer = point_spacing_layer(map);
+  PointProjector projector(map, planes, max_distance_m, visit);
+  for (const uint32_t node :
+       nodes_in_view(map, layer, planes.camera, planes.camera_from_map, max_distance_m, 0.0, HiddenRanges(planes))) {
+    const float spacing = leaf_spacing[leaves_of(map, layer, node).begin];
+    if (std::isfinite(spacing)) projector.add(map.points_begin(layer, node), map.points_end(layer, node), spacing);
+  }
+  projector.flush();
+}
+
+std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
+                                           const PlaneBuffer& planes, double max_distance_m) {
+  std::vector<ProjectedPoint> all;
+  all.reserve(std::min(map.num_points() / 4, kUsualPoints));
+  project_points(map, leaf_spacing, planes, max_distance_m,
+                 [&](std::span<const ProjectedPoint> points) { all.insert(all.end(), points.begin(), points.end()); });
+  return all;
+}
+
+}  // namespace cpplus
