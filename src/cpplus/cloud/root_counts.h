@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cpplus/cloud/voxel_map_grid.h"
+#include "cpplus/core/memory.h"
 
 namespace cpplus {
 
@@ -37,7 +38,7 @@ class RootCounts {
   }
 
   /// Frees what add() needs, which takes more memory than the counts; no root can be added any more.
-  void finish() { slots_ = {}; }
+  void finish() { free_memory(&slots_); }
 
   std::vector<Eigen::Vector3i> keys;
   std::vector<uint32_t> counts;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cpplus/core/memory.h"
 #include "cpplus/core/parallel.h"
 
 namespace cpplus {
@@ -99,7 +100,7 @@ bool PointBuckets::finish() {
     FullBuffer last = take_buffer(b);
     write(&last);
   });
-  spare_ = {};
+  free_memory(&spare_);
   return std::all_of(buckets_.begin(), buckets_.end(),
                      [](const Bucket& bucket) { return bucket.added == bucket.size; });
 }
