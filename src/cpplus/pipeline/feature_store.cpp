@@ -137,15 +137,13 @@ std::string FeatureStore::path_of(size_t tile) const {
   return (std::filesystem::path(folder_) / fmt::format("{:06}-{:016x}{}", tile, hash_of(key_), kEnding)).string();
 }
 
-bool FeatureStore::read(size_t tile, TileFeatures* features) const {
+/// Nothing where there is no such file; where it is damaged, `problem` says so.
+std::optional<TileFeatures> FeatureStore::read(size_t tile, std::string* problem) const {
   try {
-    std::optional<TileFeatures> found = read_tile_features(path_of(tile), key_of(tile));
-    if (!found) return false;
-    *features = std::move(*found);
-    return true;
+    return read_tile_features(path_of(tile), key_of(tile));
   } catch (const Error& error) {
-    log_warning(fmt::format("{}; it is made anew", error.what()));
-    return false;
+    *problem = error.what();
+    return std::nullopt;
   }
 }
 
@@ -182,9 +180,18 @@ void FeatureStore::look_at(const std::vector<size_t>& tiles,
 
 std::vector<TileFeatures> FeatureStore::load(const std::vector<size_t>& tiles) {
   std::vector<TileFeatures> features(tiles.size());
+  std::vector<char> is_there(tiles.size(), 0);
+  std::vector<std::string> problems(tiles.size());
+  parallel_for_each(tiles.size(), [&](size_t k) {
+    std::optional<TileFeatures> found = read(tiles[k], &problems[k]);
+    if (!found) return;
+    features[k] = std::move(*found);
+    is_there[k] = 1;
+  });
   std::vector<size_t> places, missing;
   for (size_t k = 0; k < tiles.size(); ++k) {
-    if (read(tiles[k], &features[k])) {
+    if (!problems[k].empty()) log_warning(fmt::format("{}; it is made anew", problems[k]));
+    if (is_there[k] != 0) {
       num_read_ += is_found_[tiles[k]] ? 0 : 1;
       continue;
     }

@@ -58,7 +58,7 @@ class FeatureStore {
   std::vector<size_t> tiles_of(const std::vector<uint32_t>& roots) const;
   std::string path_of(size_t tile) const;
   std::string key_of(size_t tile) const;
-  bool read(size_t tile, TileFeatures* features) const;
+  std::optional<TileFeatures> read(size_t tile, std::string* problem) const;
   void keep(size_t tile, const TileFeatures& features);
   void look_at(const std::vector<size_t>& tiles, const std::function<bool(size_t k, TileFeatures features)>& visit);
   std::vector<TileFeatures> load(const std::vector<size_t>& tiles);

@@ -1,9 +1,11 @@
 #include "cpplus/pipeline/grouped_features.h"
 
+#include <functional>
 #include <numeric>
 #include <utility>
 
 #include "cpplus/core/memory.h"
+#include "cpplus/core/parallel.h"
 #include "cpplus/pipeline/image_groups.h"
 #include "cpplus/pipeline/map_near_images.h"
 
@@ -103,14 +105,20 @@ void GroupedFeatures::load(size_t g) {
   if (loaded_) unload(groups_[*loaded_].get());
   loaded_ = g;
   Group& group = *groups_[g];
-  group.features.map = map_near_places(map_path_, points_, places_of(group), reach_m_).points.map;
+  std::vector<std::function<void()>> tasks = {
+      [&] { group.features.map = map_near_places(map_path_, points_, places_of(group), reach_m_).points.map; }};
   uint64_t offset = group.offset;
   auto size = group.array_sizes.begin();
   for_each_array(&group.features, [&](auto* array) {
-    array->resize(*size++);
-    file_->read(offset, array->data(), array->size() * sizeof(*array->data()));
-    offset += array->size() * sizeof(*array->data());
+    const size_t num_bytes = *size * sizeof(*array->data());
+    tasks.emplace_back([this, array, offset, count = *size, num_bytes] {
+      array->resize(count);
+      file_->read(offset, array->data(), num_bytes);
+    });
+    offset += num_bytes;
+    ++size;
   });
+  parallel_for_each(tasks.size(), [&](size_t i) { tasks[i](); });
 }
 
 void GroupedFeatures::unload(Group* group) {
