@@ -3,7 +3,8 @@
 
 A simulated world is laid out again and again on a grid, far enough apart that its images see the first copy alone; so
 the map grows while what an image sees stays the same. With --spread every copy has its images, whose number grows with
-the map. With --district simulated city districts of these areas take the place of copies, with --images images all
+the map; with --images-in-all N as well copy k of n has the k-th n-th of the first N images alone. --world takes another
+world than the rooms, such as a district. With --district simulated city districts of these areas take the place of copies, with --images images all
 over each. Writes OUT/scale.json and OUT/scale.md (scale_spread, scale_district). Memory is the anonymous memory of the process at its
 highest: what it holds itself, without the pages of mapped files, which the system may drop. Needs nothing but Python's
 standard library."""
@@ -78,7 +79,7 @@ def rotate(quaternion_wxyz, vector):
     return [sum(a * b for a, b in zip(row, vector)) for row in rows]
 
 
-def write_spread_images(world, folder, offsets):
+def write_spread_images(world, folder, offsets, images_in_all):
     """Links to the world's images in a folder a copy, folder/images/COPY/NAME, and folder/coarse with their poses."""
     (folder / "coarse").mkdir(parents=True, exist_ok=True)
     coarse = world / "coarse_small"
@@ -93,7 +94,10 @@ def write_spread_images(world, folder, offsets):
             link.parent.mkdir(exist_ok=True)
             if not link.is_symlink():
                 link.symlink_to((world / "images").resolve())
-            for k, words in enumerate(posed):
+            first, end = 0, len(posed)
+            if images_in_all:
+                first, end = (images_in_all * part // len(offsets) for part in (copy, copy + 1))
+            for k, words in list(enumerate(posed))[first:end]:
                 # x_in_camera = R x + t is to stay the same for x + offset.
                 turned = rotate([float(word) for word in words[1:5]], (*offset, 0.0))
                 moved = [repr(float(t) - r) for t, r in zip(words[5:8], turned)]
@@ -130,7 +134,7 @@ def run(log, *command):
     return {"seconds": time.monotonic() - begin, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_mb}
 
 
-def measure_copies(program, world, out, copies, threads, spread):
+def measure_copies(program, world, out, copies, threads, spread, images_in_all):
     folder = out / f"{'spread' if spread else 'x'}{copies}"
     folder.mkdir(parents=True, exist_ok=True)
     cloud = folder / "map.pcd"
@@ -138,7 +142,7 @@ def measure_copies(program, world, out, copies, threads, spread):
     images, coarse = (world / "images", world / "coarse_small")
     stamps = ["--stamps", world / "stamps.txt"]
     if spread:
-        write_spread_images(world, folder, offsets)
+        write_spread_images(world, folder, offsets, images_in_all)
         images, coarse, stamps = folder / "images", folder / "coarse", []  # the sequence jumps from copy to copy
     row = {"copies": copies, "points": points}
     row.update(measure_commands(program, folder, cloud, images, coarse, stamps, threads))
@@ -206,10 +210,12 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--district", metavar="KM2,...", help="areas of simulated districts, in place of copies")
     parser.add_argument("--images", type=int, default=200, help="of each district (default 200)")
+    parser.add_argument("--world", type=pathlib.Path, help="folder that cpplus simulate wrote (default: rooms)")
+    parser.add_argument("--images-in-all", type=int, help="of a spread map (default: those of the world for each copy)")
     parser.add_argument("--spread", action="store_true", help="every copy has its images, not the first one alone")
     settings = parser.parse_args()
     program = settings.build / "apps" / "cpplus"
-    world = settings.out / "world"
+    world = settings.world or settings.out / "world"
     rows = []
     try:
         settings.out.mkdir(parents=True, exist_ok=True)
@@ -219,7 +225,8 @@ def main():
             if settings.district:
                 rows.append(measure_district(program, settings.out, float(size), settings.images, settings.threads))
             else:
-                rows.append(measure_copies(program, world, settings.out, int(size), settings.threads, settings.spread))
+                rows.append(measure_copies(program, world, settings.out, int(size), settings.threads, settings.spread,
+                                           settings.images_in_all))
             report = {"date": datetime.date.today().isoformat(), "machine": platform.processor() or platform.machine(),
                       "threads": settings.threads, "rows": rows}
             name = "scale_district" if settings.district else "scale_spread" if settings.spread else "scale"

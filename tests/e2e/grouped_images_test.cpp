@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/point_cloud_io.h"
 #include "cpplus/io/stamps_io.h"
+#include "cpplus/report/report_page.h"
 #include "e2e_world.h"
 #include "run_cpplus.h"
 
@@ -99,6 +102,29 @@ TEST_F(TwoPlaces, GroupsFindThePosesThatAllFindAtOnce) {
   }
   EXPECT_LT(most_by_groups_m, most_by_place_m);
   EXPECT_GT(moved_m, 0.01) << "the coarse poses are farther off than that";
+}
+
+TEST_F(TwoPlaces, ReportDrawsEachImageInItsGroup) {
+  const SparseModel refined = refine("in_groups", {"--max-group-points", "1"});
+  run_well({"report", directory_ + "/in_groups"});
+  // The same result as if it had been worked on at once.
+  const std::string report_json = directory_ + "/in_groups/report.json";
+  std::string text = read_file(report_json);
+  const std::string option = "\"max_group_points\": ";
+  const size_t at = text.find(option + "1");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at + option.size(), 1, "100000000");
+  std::ofstream(report_json) << text;
+  run_well({"report", directory_ + "/in_groups", "--out", directory_ + "/at_once"});
+  for (size_t i = 0; i < refined.images.size(); ++i) {
+    const PicturePaths paths = picture_paths(i);
+    EXPECT_EQ(read_file(directory_ + "/in_groups/report/" + paths.thumbnail),
+              read_file(directory_ + "/at_once/" + paths.thumbnail));
+    const cv::Mat after = cv::imread(directory_ + "/in_groups/report/" + paths.after, cv::IMREAD_GRAYSCALE);
+    const cv::Mat after_at_once = cv::imread(directory_ + "/at_once/" + paths.after, cv::IMREAD_GRAYSCALE);
+    ASSERT_FALSE(after.empty()) << paths.after;
+    EXPECT_LT(cv::norm(after, after_at_once, cv::NORM_L1) / static_cast<double>(after.total()), 1.0) << paths.after;
+  }
 }
 
 TEST_F(TwoPlaces, GroupsDoNotDependOnTheNumberOfThreads) {

@@ -1,9 +1,11 @@
 #include "cpplus/cloud/map_part.h"
 
 #include <bit>
+#include <functional>
 
 #include "cpplus/cloud/owned_map_arrays.h"
 #include "cpplus/core/error.h"
+#include "cpplus/core/parallel.h"
 
 namespace cpplus {
 namespace {
@@ -127,18 +129,26 @@ Part gather_part(const PointMap& points, std::span<const uint32_t> roots) {
   Part part;
   part.root_keys = gather(arrays.root_keys, runs[0]);
   part.root_table = make_root_table(part.root_keys);
+  part.layers.resize(arrays.layers.size());
+  OwnedAttributes& attributes = part.attributes;
+  std::vector<std::function<void()>> tasks = {
+      [&] { part.positions = gather(arrays.positions, runs.back()); },
+      [&] {
+        part.input_indices = gather(arrays.input_indices, runs.back());
+        rank_indices(arrays.positions.size(), &part.input_indices);
+      },
+      [&] { attributes.intensities = gather(points.intensities, runs.back()); },
+      [&] { attributes.colors = gather(points.colors, runs.back()); },
+      [&] { attributes.stamps_s = gather(points.stamps_s, runs.back()); },
+      [&] { attributes.num_views = gather(points.num_views, runs.back()); },
+      [&] { attributes.best_images = gather(points.best_images, runs.back()); },
+      [&] { attributes.color_spreads = gather(points.color_spreads, runs.back()); }};
   for (size_t l = 0; l < arrays.layers.size(); ++l) {
-    part.layers.push_back(gather_layer(arrays.layers[l], l + 1 == arrays.layers.size(), runs[l], runs[l + 1]));
+    tasks.emplace_back([&, l] {
+      part.layers[l] = gather_layer(arrays.layers[l], l + 1 == arrays.layers.size(), runs[l], runs[l + 1]);
+    });
   }
-  part.positions = gather(arrays.positions, runs.back());
-  part.input_indices = gather(arrays.input_indices, runs.back());
-  rank_indices(arrays.positions.size(), &part.input_indices);
-  part.attributes.intensities = gather(points.intensities, runs.back());
-  part.attributes.colors = gather(points.colors, runs.back());
-  part.attributes.stamps_s = gather(points.stamps_s, runs.back());
-  part.attributes.num_views = gather(points.num_views, runs.back());
-  part.attributes.best_images = gather(points.best_images, runs.back());
-  part.attributes.color_spreads = gather(points.color_spreads, runs.back());
+  parallel_for_each(tasks.size(), [&](size_t i) { tasks[i](); });
   return part;
 }
 

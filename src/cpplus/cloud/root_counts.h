@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "cpplus/cloud/voxel_map_grid.h"
+#include "cpplus/core/memory.h"
 
 namespace cpplus {
 
@@ -17,9 +19,7 @@ class RootCounts {
  public:
   /// Index of the root of `key` here; counts `count` points.
   uint32_t add(const Eigen::Vector3i& key, uint32_t count) {
-    // A sparse table with the keys inside: nearly every look-up ends at the first slot, which the processor predicts.
-    size_t slot = hash_key(key) >> shift_;
-    while (slots_[slot].root != no_voxel && !slots_[slot].holds(key)) slot = (slot + 1) & (slots_.size() - 1);
+    const size_t slot = slot_of(key);
     uint32_t root = slots_[slot].root;
     if (root == no_voxel) [[unlikely]]
       root = insert(key, slot);
@@ -27,8 +27,18 @@ class RootCounts {
     return root;
   }
 
+  /// Index of the root of `key`; no_voxel where it is not here.
+  uint32_t find(const Eigen::Vector3i& key) const { return slots_[slot_of(key)].root; }
+
+  /// Forgets all roots and keeps the memory.
+  void clear() {
+    keys.clear();
+    counts.clear();
+    std::fill(slots_.begin(), slots_.end(), Slot());
+  }
+
   /// Frees what add() needs, which takes more memory than the counts; no root can be added any more.
-  void finish() { slots_ = {}; }
+  void finish() { free_memory(&slots_); }
 
   std::vector<Eigen::Vector3i> keys;
   std::vector<uint32_t> counts;
@@ -40,6 +50,14 @@ class RootCounts {
 
     bool holds(const Eigen::Vector3i& key) const { return ((x ^ key.x()) | (y ^ key.y()) | (z ^ key.z())) == 0; }
   };
+
+  /// The slot that holds the key, or the empty one where it belongs. The table is sparse and has the keys inside:
+  /// nearly every look-up ends at the first slot, which the processor predicts.
+  size_t slot_of(const Eigen::Vector3i& key) const {
+    size_t slot = hash_key(key) >> shift_;
+    while (slots_[slot].root != no_voxel && !slots_[slot].holds(key)) slot = (slot + 1) & (slots_.size() - 1);
+    return slot;
+  }
 
   uint32_t insert(const Eigen::Vector3i& key, size_t slot);
   void grow();

@@ -7,6 +7,7 @@
 #include "cpplus/cloud/owned_map_arrays.h"
 #include "cpplus/cloud/voxel_map_grid.h"
 #include "cpplus/cloud/voxel_map_sort.h"
+#include "cpplus/core/memory.h"
 #include "cpplus/core/parallel.h"
 
 namespace cpplus {
@@ -336,7 +337,7 @@ VoxelMapArrays build_voxel_map(const PointCloud& cloud, const VoxelMapOptions& o
     for (uint32_t root = groups[g]; root < groups[g + 1]; ++root) builder.add_root(root);
     nodes[g] = std::move(builder.layers);
   });
-  points.points_begin = {};
+  free_memory(&points.points_begin);
   for (size_t l = 0; l <= static_cast<size_t>(grid.bits); ++l) {
     owner->layers.push_back(join_layer(l, static_cast<uint32_t>(points.num_points), &nodes));
   }

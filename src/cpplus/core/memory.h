@@ -6,4 +6,11 @@ namespace cpplus {
 /// one fits in, and which count as the program's until then. Takes a few milliseconds.
 void return_freed_memory();
 
+/// Frees what a vector holds, which assigning {} to it does not: that is a list of no elements, for which the memory
+/// stays.
+template <typename Vector>
+void free_memory(Vector* vector) {
+  Vector().swap(*vector);
+}
+
 }  // namespace cpplus

@@ -4,12 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <thread>
 
+#include "cpplus/core/first_failure.h"
 #include "cpplus/core/interrupt.h"
 
 namespace cpplus {
@@ -19,32 +17,6 @@ std::unique_ptr<tbb::global_control>& thread_limit() {
   static std::unique_ptr<tbb::global_control> limit;
   return limit;
 }
-
-// The exception of the least index that throws. Indices above it need not be run any more, those below it must be, so
-// that it is the same one whatever thread comes first.
-class FirstFailure {
- public:
-  explicit FirstFailure(size_t none) : index_(none) {}
-
-  size_t index() const { return index_.load(std::memory_order_relaxed); }
-
-  /// Takes the exception that is being handled.
-  void add(size_t index) {
-    const std::lock_guard lock(mutex_);
-    if (index >= index_.load()) return;
-    index_ = index;
-    exception_ = std::current_exception();
-  }
-
-  void rethrow() const {
-    if (exception_) std::rethrow_exception(exception_);
-  }
-
- private:
-  std::atomic<size_t> index_;
-  std::mutex mutex_;
-  std::exception_ptr exception_;
-};
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/memory.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
@@ -39,7 +40,7 @@ DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const Dy
   options.validate();
   LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
   const std::vector<uint32_t> num_through = count_see_through(map, scans, surfaces, options);
-  surfaces.means = {};  // the largest of what is not needed any more
+  free_memory(&surfaces.means);  // the largest of what is not needed any more
   const std::vector<uint8_t> leaf_labels = vote_on_leaves(map, scans, surfaces, num_through, options);
 
   DynamicsResult result;

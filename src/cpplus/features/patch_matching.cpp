@@ -20,22 +20,23 @@ constexpr double kMinReach = 3.0;  // pixels of a level
 constexpr size_t kGuides = 4;
 constexpr double kGuidedRadiusPx = 8.0;
 
-Image<float> as_float(const GrayImage& image) {
-  Image<float> result(image.width, image.height);
-  std::copy(image.pixels.begin(), image.pixels.end(), result.pixels.begin());
-  return result;
-}
-
 // Means of 2x2 pixels: pixel x of the half is at 2 x + 0.5 of the whole.
-Image<float> halve(const Image<float>& image) {
+template <typename Pixel>
+Image<float> halve(const Image<Pixel>& image) {
   Image<float> half(image.width / 2, image.height / 2);
   for (int y = 0; y < half.height; ++y) {
     for (int x = 0; x < half.width; ++x) {
-      half.at(x, y) = 0.25f * (image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) +
-                               image.at(2 * x + 1, 2 * y + 1));
+      half.at(x, y) = 0.25f * static_cast<float>(image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) +
+                                                 image.at(2 * x, 2 * y + 1) + image.at(2 * x + 1, 2 * y + 1));
     }
   }
   return half;
+}
+
+// Calls visit(image) with a level of the pyramid, the full image first.
+template <typename Visit>
+auto with_level(const PatchView& view, int level, const Visit& visit) {
+  return level == 0 ? visit(view.image) : visit(view.halves[static_cast<size_t>(level - 1)]);
 }
 
 Eigen::Vector2d to_level(const Eigen::Vector2d& pixel, int level) {
@@ -49,15 +50,20 @@ Eigen::Vector2d from_level(const Eigen::Vector2d& pixel, int level) {
 }
 
 // Bilinear; false where the four pixels are not all in the image.
-bool interpolate(const Image<float>& image, double x, double y, float* value) {
+template <typename Pixel>
+bool interpolate(const Image<Pixel>& image, double x, double y, float* value) {
   if (!(x >= 0.0 && y >= 0.0 && x < image.width - 1 && y < image.height - 1)) return false;
   const int ix = static_cast<int>(x);
   const int iy = static_cast<int>(y);
   const float fx = static_cast<float>(x - ix);
   const float fy = static_cast<float>(y - iy);
-  const float* row = &image.at(ix, iy);
-  const float* next = row + image.width;
-  *value = (1.0f - fy) * (row[0] + fx * (row[1] - row[0])) + fy * (next[0] + fx * (next[1] - next[0]));
+  const Pixel* row = &image.at(ix, iy);
+  const Pixel* next = row + image.width;
+  const auto along = [fx](const Pixel* pixel) {
+    const float left = pixel[0];
+    return left + fx * (static_cast<float>(pixel[1]) - left);
+  };
+  *value = (1.0f - fy) * along(row) + fy * along(next);
   return true;
 }
 
@@ -150,8 +156,12 @@ class Matcher {
  private:
   // The patch as view b should see it.
   bool make_template(const Eigen::Vector2d& pixel_a, const Eigen::Matrix2d& a_from_b, int level) {
-    const Image<float>& image = a_.pyramid[static_cast<size_t>(level)];
     const Eigen::Vector2d center = to_level(pixel_a, level);
+    return with_level(a_, level, [&](const auto& image) { return make_template(image, center, a_from_b); });
+  }
+
+  template <typename Pixel>
+  bool make_template(const Image<Pixel>& image, const Eigen::Vector2d& center, const Eigen::Matrix2d& a_from_b) {
     template_.clear();
     for (int y = -options_.radius_px; y <= options_.radius_px; ++y) {
       for (int x = -options_.radius_px; x <= options_.radius_px; ++x) {
@@ -165,17 +175,19 @@ class Matcher {
   }
 
   // Correlation of the template with the patch of b around a whole pixel; -1 outside.
-  float correlate(const Image<float>& image, int cx, int cy) const {
+  template <typename Pixel>
+  float correlate(const Image<Pixel>& image, int cx, int cy) const {
     const int r = options_.radius_px;
     if (cx < r || cy < r || cx + r >= image.width || cy + r >= image.height) return -1.0f;
     float product = 0.0f, sum = 0.0f, squares = 0.0f;
     const float* t = template_.data();
     for (int y = cy - r; y <= cy + r; ++y, t += edge_) {
-      const float* row = &image.at(cx - r, y);
+      const Pixel* row = &image.at(cx - r, y);
       for (int x = 0; x < edge_; ++x) {
-        product += t[x] * row[x];
-        sum += row[x];
-        squares += row[x] * row[x];
+        const float value = row[x];
+        product += t[x] * value;
+        sum += value;
+        squares += value * value;
       }
     }
     const float variance = squares - sum * sum / static_cast<float>(edge_ * edge_);
@@ -183,17 +195,18 @@ class Matcher {
   }
 
   bool search(int level, int reach, bool must_be_distinct, Eigen::Vector2d* pixel) {
-    const Image<float>& image = b_.pyramid[static_cast<size_t>(level)];
     const Eigen::Vector2d center = to_level(*pixel, level);
     const int cx = static_cast<int>(std::lround(center.x()));
     const int cy = static_cast<int>(std::lround(center.y()));
     const int edge = 2 * reach + 1;
     scores_.assign(static_cast<size_t>(edge) * static_cast<size_t>(edge), -1.0f);
-    for (int y = 0; y < edge; ++y) {
-      for (int x = 0; x < edge; ++x) {
-        scores_[static_cast<size_t>(y * edge + x)] = correlate(image, cx + x - reach, cy + y - reach);
+    with_level(b_, level, [&](const auto& image) {
+      for (int y = 0; y < edge; ++y) {
+        for (int x = 0; x < edge; ++x) {
+          scores_[static_cast<size_t>(y * edge + x)] = correlate(image, cx + x - reach, cy + y - reach);
+        }
       }
-    }
+    });
     const auto best = std::max_element(scores_.begin(), scores_.end());
     constexpr float kMinCoarseCorrelation = 0.6f;
     if (*best < kMinCoarseCorrelation) return false;
@@ -220,7 +233,7 @@ class Matcher {
   // Gauss-Newton on the difference of the normalised patches, as a shift in b.
   bool settle(const Eigen::Vector2d& pixel_a, const Eigen::Matrix2d& a_from_b, Eigen::Vector2d* pixel) {
     if (!make_template(pixel_a, a_from_b, 0)) return false;
-    const Image<float>& image = b_.pyramid.front();
+    const GrayImage& image = b_.image;
     const int r = options_.radius_px;
     const Eigen::Vector2d start = *pixel;
     std::vector<float> values, slope_x, slope_y;
@@ -297,13 +310,15 @@ PatchView prepare_patch_view(const GrayImage& image, const PlaneBuffer& planes, 
                              const PatchMatchingOptions& options) {
   PatchView view;
   if (!options.enabled) return view;
+  view.image = image;
   view.planes = planes;
-  view.raster = raster;
-  view.pyramid.push_back(as_float(image));
-  for (int level = 1; level < kNumLevels; ++level) view.pyramid.push_back(halve(view.pyramid.back()));
+  view.raster.cell_px = raster.cell_px;
+  view.raster.range = raster.range;
+  view.halves.push_back(halve(image));
+  while (view.halves.size() + 1 < kNumLevels) view.halves.push_back(halve(view.halves.back()));
 
   // Corners at half the size: cheaper, and what only the finest level shows would not be found from the coarsest.
-  const Image<float>& half = view.pyramid[1];
+  const Image<float>& half = view.halves.front();
   const cv::Mat gray(half.height, half.width, CV_32F, const_cast<float*>(half.pixels.data()));
   std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(gray, corners, 4 * options.max_patches, 0.005, 0.5 * options.min_distance_px, {}, 5);

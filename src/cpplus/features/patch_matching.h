@@ -42,7 +42,7 @@ struct PatchMatchingOptions {
   }
 };
 
-/// An image made ready for patch matching.
+/// An image made ready for patch matching; of many images at a time, so only what that looks at.
 struct PatchView {
   /// A corner on a flat piece of the map's surface.
   struct Patch {
@@ -50,9 +50,10 @@ struct PatchView {
     PatchSurface surface;
   };
 
-  std::vector<Image<float>> pyramid;  // levels of half the size each, the full image first
-  PlaneBuffer planes;                 // with camera and pose
-  RangeRaster raster;                 // from the same pose
+  GrayImage image;
+  std::vector<Image<float>> halves;  // of half the size each
+  PlaneBuffer planes;                // with camera and pose
+  RangeRaster raster;                // from the same pose, the ranges alone
   std::vector<Patch> patches;
 };
 

@@ -17,6 +17,7 @@ class AtomicFile {
 
   std::ostream& stream() { return stream_; }
   const std::string& path() const { return path_; }
+  const std::string& temporary() const { return temporary_; }
 
   /// Flushes, closes and renames. Throws Error when anything could not be written (disk full, folder gone).
   void commit();

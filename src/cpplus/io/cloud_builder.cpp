@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "cpplus/core/error.h"
 
@@ -51,12 +52,12 @@ CloudBuilder::CloudBuilder(const std::string& path, size_t num_points, const std
 void CloudBuilder::resize(size_t num_points) {
   const auto has = [&](PointRole role) { return std::find(roles_.begin(), roles_.end(), role) != roles_.end(); };
   cloud_.positions.resize(num_points);
-  if (has(PointRole::kIntensity)) cloud_.intensities.resize(num_points);
-  if (has(PointRole::kPackedRgb) || has(PointRole::kRed)) cloud_.colors.resize(num_points);
-  if (has(PointRole::kStamp)) cloud_.stamps_s.resize(num_points);
-  if (has(PointRole::kNumViews)) cloud_.num_views.resize(num_points);
-  if (has(PointRole::kBestImage)) cloud_.best_images.resize(num_points);
-  if (has(PointRole::kColorSpread)) cloud_.color_spreads.resize(num_points);
+  cloud_.intensities.resize(has(PointRole::kIntensity) ? num_points : 0);
+  cloud_.colors.resize(has(PointRole::kPackedRgb) || has(PointRole::kRed) ? num_points : 0);
+  cloud_.stamps_s.resize(has(PointRole::kStamp) ? num_points : 0);
+  cloud_.num_views.resize(has(PointRole::kNumViews) ? num_points : 0);
+  cloud_.best_images.resize(has(PointRole::kBestImage) ? num_points : 0);
+  cloud_.color_spreads.resize(has(PointRole::kColorSpread) ? num_points : 0);
 }
 
 void CloudBuilder::set_coordinate(size_t point, int axis, double value) {
@@ -161,6 +162,11 @@ std::vector<size_t> CloudBuilder::drop_non_finite() {
   }
   resize(kept);
   return dropped;
+}
+
+void CloudBuilder::swap(PointCloud* cloud) {
+  std::swap(cloud_, *cloud);
+  cloud_.origin = cloud->origin;
 }
 
 PointCloud CloudBuilder::finish(ReadCounts* counts) {

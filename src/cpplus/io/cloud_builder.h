@@ -44,7 +44,8 @@ class CloudBuilder {
   void resize(size_t num_points);
   /// Closes the gaps that they leave; returns their places, ascending.
   std::vector<size_t> drop_non_finite();
-  const PointCloud& cloud() const { return cloud_; }
+  /// Exchanges the points for those of another cloud; the origin stays, and the other gets it as well.
+  void swap(PointCloud* cloud);
 
   /// Drops non-finite points and hands the cloud over. Throws Error when no point is left.
   PointCloud finish(ReadCounts* counts);

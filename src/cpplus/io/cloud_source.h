@@ -37,10 +37,10 @@ class CloudBlocks {
   explicit CloudBlocks(const std::string& path);
 
   const CloudSource& source() const { return *source_; }
-  /// The next block, at most `max_points` of the file's points without those that are not finite; null at the end of
-  /// the file. Its origin is that of the whole file as CloudBuilder chooses it, once there was a finite point. Valid
-  /// until the next call. Throws Error at the end of a file without any finite point.
-  const PointCloud* next(size_t max_points);
+  /// The next block, at most `max_points` of the file's points without those that are not finite; the vectors of
+  /// `block` are used again. False at the end of the file. The block's origin is that of the whole file as CloudBuilder
+  /// chooses it, once there was a finite point. Throws Error at the end of a file without any finite point.
+  bool next(size_t max_points, PointCloud* block);
   size_t num_dropped() const { return num_dropped_; }
 
  private:

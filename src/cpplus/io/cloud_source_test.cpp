@@ -14,20 +14,20 @@ using CloudSourceTest = FileTest;
 /// All points of a file by blocks of at most this many.
 PointCloud read_by_blocks(const std::string& path, size_t max_points, size_t* num_dropped = nullptr) {
   CloudBlocks blocks(path);
-  PointCloud all;
-  while (const PointCloud* block = blocks.next(max_points)) {
-    EXPECT_LE(block->size(), max_points);
-    if (block->empty()) continue;
-    EXPECT_TRUE(all.empty() || block->origin == all.origin);
-    all.origin = block->origin;
+  PointCloud all, block;
+  while (blocks.next(max_points, &block)) {
+    EXPECT_LE(block.size(), max_points);
+    if (block.empty()) continue;
+    EXPECT_TRUE(all.empty() || block.origin == all.origin);
+    all.origin = block.origin;
     const auto append = [](auto* to, const auto& from) { to->insert(to->end(), from.begin(), from.end()); };
-    append(&all.positions, block->positions);
-    append(&all.intensities, block->intensities);
-    append(&all.colors, block->colors);
-    append(&all.stamps_s, block->stamps_s);
-    append(&all.num_views, block->num_views);
-    append(&all.best_images, block->best_images);
-    append(&all.color_spreads, block->color_spreads);
+    append(&all.positions, block.positions);
+    append(&all.intensities, block.intensities);
+    append(&all.colors, block.colors);
+    append(&all.stamps_s, block.stamps_s);
+    append(&all.num_views, block.num_views);
+    append(&all.best_images, block.best_images);
+    append(&all.color_spreads, block.color_spreads);
   }
   if (num_dropped != nullptr) *num_dropped = blocks.num_dropped();
   return all;

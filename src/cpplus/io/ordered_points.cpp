@@ -37,6 +37,7 @@ void OrderedPoints::add(const PointCloud& points, std::span<const uint32_t> indi
     const uint32_t index = indices[i];
     if (index >= num_points_ || !buckets_.add(index / kBlockPoints, points, i, index)) fail();
   }
+  buckets_.write(buckets_.take_full());
 }
 
 CloudStream OrderedPoints::finish(const Eigen::Vector3d& origin, const std::optional<LasFrame>& las_frame) {
@@ -52,7 +53,8 @@ CloudStream OrderedPoints::finish(const Eigen::Vector3d& origin, const std::opti
 }
 
 PointCloud OrderedPoints::block_in_order(size_t b) const {
-  const PointBucket bucket = buckets_.read(b);
+  PointBucket bucket;
+  buckets_.read(b, &bucket);
   const size_t size = bucket.indices.size();
   std::vector<uint32_t> from(size, static_cast<uint32_t>(size));
   for (size_t i = 0; i < size; ++i) from[bucket.indices[i] - b * kBlockPoints] = static_cast<uint32_t>(i);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "cpplus/core/memory.h"
+#include "cpplus/core/parallel.h"
+
 namespace cpplus {
 namespace {
 
@@ -43,46 +46,73 @@ PointBuckets::PointBuckets(std::unique_ptr<ScratchFile> file, std::vector<uint64
 
 bool PointBuckets::add(size_t bucket, const PointCloud& block, size_t i, uint32_t index) {
   Bucket& to = buckets_[bucket];
-  if (to.written + to.buffer.indices.size() == to.size) return false;
-  if (to.buffer.indices.capacity() == 0) {
-    for_each_array(attributes_, to.buffer, [&](auto& array) { array.reserve(buffer_points_); });
-  }
+  if (to.added == to.size) return false;
+  if (to.buffer.indices.capacity() == 0) to.buffer = empty_buffer();
   to.buffer.indices.push_back(index);
   attributes_.for_each_array(to.buffer.cloud, block, [&](auto& array, const auto& from) { array.push_back(from[i]); });
-  if (to.buffer.indices.size() == buffer_points_) flush(&to);
+  ++to.added;
+  if (to.buffer.indices.size() == buffer_points_) full_.push_back(take_buffer(bucket));
   return true;
 }
 
-void PointBuckets::flush(Bucket* bucket) {
-  const uint64_t count = bucket->buffer.indices.size();
-  uint64_t begin = bucket->begin;
-  for_each_array(attributes_, bucket->buffer, [&](auto& array) {
-    file_->write(begin + bucket->written * element_size(array), array.data(), array.size() * element_size(array));
-    begin += bucket->size * element_size(array);
+PointBucket PointBuckets::empty_buffer() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!spare_.empty()) {
+      PointBucket buffer = std::move(spare_.back());
+      spare_.pop_back();
+      return buffer;
+    }
+  }
+  PointBucket buffer;
+  for_each_array(attributes_, buffer, [&](auto& array) { array.reserve(buffer_points_); });
+  return buffer;
+}
+
+FullBuffer PointBuckets::take_buffer(size_t bucket) {
+  Bucket& from = buckets_[bucket];
+  return {bucket, from.added - from.buffer.indices.size(), std::exchange(from.buffer, {})};
+}
+
+std::vector<FullBuffer> PointBuckets::take_full() { return std::exchange(full_, {}); }
+
+void PointBuckets::write(std::vector<FullBuffer> buffers) {
+  for (FullBuffer& buffer : buffers) {
+    write(&buffer);
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(buffer.points));
+  }
+}
+
+void PointBuckets::write(FullBuffer* buffer) const {
+  const Bucket& bucket = buckets_[buffer->bucket];
+  uint64_t begin = bucket.begin;
+  for_each_array(attributes_, buffer->points, [&](auto& array) {
+    file_->write(begin + buffer->first * element_size(array), array.data(), array.size() * element_size(array));
+    begin += bucket.size * element_size(array);
     array.clear();
   });
-  bucket->written += count;
 }
 
 bool PointBuckets::finish() {
-  for (Bucket& bucket : buckets_) {
-    flush(&bucket);
-    bucket.buffer = {};
-    if (bucket.written != bucket.size) return false;
-  }
-  return true;
+  write(take_full());
+  parallel_for_each(buckets_.size(), [this](size_t b) {
+    FullBuffer last = take_buffer(b);
+    write(&last);
+  });
+  free_memory(&spare_);
+  return std::all_of(buckets_.begin(), buckets_.end(),
+                     [](const Bucket& bucket) { return bucket.added == bucket.size; });
 }
 
-PointBucket PointBuckets::read(size_t bucket) const {
+void PointBuckets::read(size_t bucket, PointBucket* points) const {
   const Bucket& from = buckets_[bucket];
-  PointBucket points;
   uint64_t begin = from.begin;
-  for_each_array(attributes_, points, [&](auto& array) {
+  for_each_array(attributes_, *points, [&](auto& array) {
     array.resize(from.size);
     file_->read(begin, array.data(), array.size() * element_size(array));
     begin += from.size * element_size(array);
   });
-  return points;
 }
 
 }  // namespace cpplus

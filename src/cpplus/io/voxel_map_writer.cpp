@@ -24,6 +24,43 @@ uint32_t extended_checksum(uint32_t checksum, const void* data, size_t size) {
 
 constexpr size_t kCopyStep = size_t{1} << 20;
 
+/// What a piece has for a section, as it is in the piece; nothing for what pieces do not hold whole.
+std::span<const std::byte> content(const VoxelMapSectionEntry& entry, const PointMap& piece) {
+  const VoxelMapArrays& arrays = piece.map.arrays();
+  const auto layer = [&]() -> const VoxelMapLayer& { return arrays.layers[entry.layer]; };
+  switch (entry.kind) {
+    case VoxelMapSection::kPositions:
+      return std::as_bytes(arrays.positions);
+    case VoxelMapSection::kInputIndices:
+      return std::as_bytes(arrays.input_indices);
+    case VoxelMapSection::kIntensities:
+      return std::as_bytes(piece.intensities);
+    case VoxelMapSection::kColors:
+      return std::as_bytes(piece.colors);
+    case VoxelMapSection::kStamps:
+      return std::as_bytes(piece.stamps_s);
+    case VoxelMapSection::kNumViews:
+      return std::as_bytes(piece.num_views);
+    case VoxelMapSection::kBestImages:
+      return std::as_bytes(piece.best_images);
+    case VoxelMapSection::kColorSpreads:
+      return std::as_bytes(piece.color_spreads);
+    case VoxelMapSection::kFirst:
+      return std::as_bytes(layer().first.first(layer().first.size() - 1));
+    case VoxelMapSection::kChildMask:
+      return std::as_bytes(layer().child_mask);
+    case VoxelMapSection::kMoments:
+      return std::as_bytes(layer().moments);
+    case VoxelMapSection::kRootKeys:
+    case VoxelMapSection::kRootTable:
+    case VoxelMapSection::kMomentsMask:
+    case VoxelMapSection::kMomentsRank:
+    case VoxelMapSection::kLasFrame:
+      return {};
+  }
+  return {};
+}
+
 }  // namespace
 
 /// One array of the file. What is as long as the points has its place from the start; what grows with the number of
@@ -31,6 +68,7 @@ constexpr size_t kCopyStep = size_t{1} << 20;
 struct VoxelMapWriter::Section {
   VoxelMapSectionEntry entry;
   std::unique_ptr<ScratchFile> grown;
+  size_t index = 0;  // in the file
 };
 
 /// A layer as far as it is written.
@@ -46,13 +84,13 @@ struct VoxelMapWriter::Layer {
 };
 
 VoxelMapWriter::VoxelMapWriter(const std::string& path, const VoxelMapOutline& outline)
-    : file_(path), outline_(outline) {
+    : file_(path), out_(path, file_.temporary()), outline_(outline) {
   const VoxelGrid grid(outline.origin, outline.options.root_size_m, outline.options.leaf_size_m);
   layers_.resize(static_cast<size_t>(grid.bits) + 1);
   const auto add_attribute = [&](bool has, VoxelMapSection kind, size_t size) {
     if (has) add_section(kind, 0, size * outline.num_points);
   };
-  add_attribute(true, VoxelMapSection::kPositions, sizeof(Eigen::Vector3f));
+  positions_ = add_section(VoxelMapSection::kPositions, 0, sizeof(Eigen::Vector3f) * outline.num_points);
   add_attribute(true, VoxelMapSection::kInputIndices, sizeof(uint32_t));
   const PointAttributes& has = outline.attributes;
   add_attribute(has.intensities, VoxelMapSection::kIntensities, sizeof(float));
@@ -92,6 +130,7 @@ VoxelMapWriter::Section* VoxelMapWriter::add_section(VoxelMapSection kind, uint3
   sections_.push_back(std::make_unique<Section>());
   sections_.back()->entry.kind = kind;
   sections_.back()->entry.layer = layer;
+  sections_.back()->index = sections_.size() - 1;
   if (size) {
     sections_.back()->entry.size = *size;
   } else {
@@ -100,106 +139,106 @@ VoxelMapWriter::Section* VoxelMapWriter::add_section(VoxelMapSection kind, uint3
   return sections_.back().get();
 }
 
-void VoxelMapWriter::write_at(uint64_t offset, const void* data, size_t size) {
-  file_.stream().seekp(static_cast<std::streamoff>(offset));
-  file_.stream().write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
-  if (!file_.stream()) throw Error(fmt::format("{}: cannot write all of it: {}", file_.path(), std::strerror(errno)));
+/// `offset`: in the section.
+void VoxelMapWriter::write_at(const Section& section, uint64_t offset, const void* data, size_t size) {
+  if (section.grown) {
+    section.grown->write(offset, data, size);
+  } else {
+    out_.write(section.entry.offset + offset, data, size);
+  }
 }
 
 template <typename T>
 void VoxelMapWriter::append(Section* section, std::span<const T> values) {
   VoxelMapSectionEntry& entry = section->entry;
-  const size_t size = values.size_bytes();
-  if (section->grown) {
-    section->grown->write(entry.size, values.data(), size);
-  } else {
-    write_at(entry.offset + entry.size, values.data(), size);
-  }
-  entry.checksum = extended_checksum(entry.checksum, values.data(), size);
-  entry.size += size;
+  write_at(*section, entry.size, values.data(), values.size_bytes());
+  entry.checksum = extended_checksum(entry.checksum, values.data(), values.size_bytes());
+  entry.size += values.size_bytes();
 }
 
-void VoxelMapWriter::append(const PointMap& piece, std::span<const uint32_t> input_indices) {
+VoxelMapWriter::Place VoxelMapWriter::reserve(const PointMap& piece) {
   const VoxelMapArrays& arrays = piece.map.arrays();
-  append_points(piece, input_indices);
-  // The lower layers last: a node counts its children from what was written of the layer below before.
-  for (size_t l = 0; l < layers_.size(); ++l) append_layer(l, arrays);
+  Place place{num_pieces_++, {}};
+  for (const auto& section : sections_) {
+    place.begins.push_back(section->entry.size);
+    section->entry.size += content(section->entry, piece).size();
+  }
+  for (size_t l = 0; l + 1 < layers_.size(); ++l) append_moments_mask(l, arrays.layers[l]);
   root_keys_.insert(root_keys_.end(), arrays.root_keys.begin(), arrays.root_keys.end());
   num_points_ += arrays.positions.size();
+  return place;
 }
 
-void VoxelMapWriter::append_points(const PointMap& piece, std::span<const uint32_t> input_indices) {
-  const VoxelMapArrays& arrays = piece.map.arrays();
-  for (const auto& section : sections_) {
-    switch (section->entry.kind) {
-      case VoxelMapSection::kPositions:
-        append(section.get(), arrays.positions);
-        break;
-      case VoxelMapSection::kInputIndices: {
-        std::vector<uint32_t> indices(arrays.input_indices.begin(), arrays.input_indices.end());
-        for (uint32_t& index : indices) index = input_indices[index];
-        append<uint32_t>(section.get(), indices);
-        break;
-      }
-      case VoxelMapSection::kIntensities:
-        append(section.get(), piece.intensities);
-        break;
-      case VoxelMapSection::kColors:
-        append(section.get(), piece.colors);
-        break;
-      case VoxelMapSection::kStamps:
-        append(section.get(), piece.stamps_s);
-        break;
-      case VoxelMapSection::kNumViews:
-        append(section.get(), piece.num_views);
-        break;
-      case VoxelMapSection::kBestImages:
-        append(section.get(), piece.best_images);
-        break;
-      case VoxelMapSection::kColorSpreads:
-        append(section.get(), piece.color_spreads);
-        break;
-      default:
-        break;
-    }
-  }
-}
-
-void VoxelMapWriter::append_layer(size_t l, const VoxelMapArrays& arrays) {
+/// What the nodes of layer l count their children from: nodes of the layer below, or points.
+uint32_t VoxelMapWriter::children_before(size_t l, const Place& place) const {
   const bool is_leaf = l + 1 == layers_.size();
-  const VoxelMapLayer& nodes = arrays.layers[l];
+  const uint64_t begin = place.begins[is_leaf ? positions_->index : layers_[l + 1].first->index];
+  return static_cast<uint32_t>(begin / (is_leaf ? sizeof(Eigen::Vector3f) : sizeof(uint32_t)));
+}
+
+void VoxelMapWriter::write(const PointMap& piece, std::span<const uint32_t> input_indices, const Place& place) {
+  std::vector<Part> parts(sections_.size());
+  for (size_t s = 0; s < sections_.size(); ++s) {
+    const VoxelMapSectionEntry& entry = sections_[s]->entry;
+    std::span<const std::byte> bytes = content(entry, piece);
+    std::vector<uint32_t> changed;
+    if (entry.kind == VoxelMapSection::kInputIndices) {
+      const std::span<const uint32_t> indices = piece.map.arrays().input_indices;
+      changed.assign(indices.begin(), indices.end());
+      for (uint32_t& index : changed) index = input_indices[index];
+      bytes = std::as_bytes(std::span(changed));
+    } else if (entry.kind == VoxelMapSection::kFirst) {
+      const std::span<const uint32_t> first = piece.map.arrays().layers[entry.layer].first;
+      changed.assign(first.begin(), first.end() - 1);
+      const uint32_t before = children_before(entry.layer, place);
+      for (uint32_t& child : changed) child += before;
+      bytes = std::as_bytes(std::span(changed));
+    }
+    write_at(*sections_[s], place.begins[s], bytes.data(), bytes.size());
+    parts[s] = {bytes.size(), extended_checksum(0, bytes.data(), bytes.size())};
+  }
+  const std::lock_guard lock(mutex_);
+  if (parts_.size() <= place.piece) parts_.resize(place.piece + 1);
+  parts_[place.piece] = std::move(parts);
+}
+
+/// The mask and the ranks: one word holds the nodes of two pieces where they meet.
+void VoxelMapWriter::append_moments_mask(size_t l, const VoxelMapLayer& nodes) {
   Layer& layer = layers_[l];
   const size_t num_nodes = nodes.first.size() - 1;
-  const auto before = static_cast<uint32_t>(is_leaf ? num_points_ : layers_[l + 1].num_nodes);
-  std::vector<uint32_t> first(nodes.first.begin(), nodes.first.end() - 1);
-  for (uint32_t& child : first) child += before;
-  append<uint32_t>(layer.first, first);
-  if (!is_leaf) {
-    append(layer.child_mask, nodes.child_mask);
-    append(layer.moments, nodes.moments);
-    std::vector<uint64_t> words;
-    std::vector<uint32_t> ranks;
-    for (size_t node = 0; node < num_nodes; ++node) {
-      const uint64_t bit = nodes.moments_mask[node / 64] >> (node % 64) & 1u;
-      const size_t place = (layer.num_nodes + node) % 64;
-      layer.word |= bit << place;
-      if (place < 63) continue;
-      words.push_back(layer.word);
-      ranks.push_back(layer.rank);
-      layer.rank += static_cast<uint32_t>(std::popcount(layer.word));
-      layer.word = 0;
-    }
-    append<uint64_t>(layer.moments_mask, words);
-    append<uint32_t>(layer.moments_rank, ranks);
+  std::vector<uint64_t> words;
+  std::vector<uint32_t> ranks;
+  for (size_t node = 0; node < num_nodes; ++node) {
+    const uint64_t bit = nodes.moments_mask[node / 64] >> (node % 64) & 1u;
+    const size_t place = (layer.num_nodes + node) % 64;
+    layer.word |= bit << place;
+    if (place < 63) continue;
+    words.push_back(layer.word);
+    ranks.push_back(layer.rank);
+    layer.rank += static_cast<uint32_t>(std::popcount(layer.word));
+    layer.word = 0;
   }
+  append<uint64_t>(layer.moments_mask, words);
+  append<uint32_t>(layer.moments_rank, ranks);
   layer.num_nodes += num_nodes;
+}
+
+void VoxelMapWriter::join_checksums() {
+  for (const std::vector<Part>& parts : parts_) {
+    for (size_t s = 0; s < sections_.size(); ++s) {
+      if (parts[s].size == 0) continue;
+      VoxelMapSectionEntry& entry = sections_[s]->entry;
+      entry.checksum =
+          static_cast<uint32_t>(crc32_combine(entry.checksum, parts[s].checksum, static_cast<z_off_t>(parts[s].size)));
+    }
+  }
 }
 
 void VoxelMapWriter::finish_layers() {
   for (size_t l = 0; l < layers_.size(); ++l) {
     const bool is_leaf = l + 1 == layers_.size();
     Layer& layer = layers_[l];
-    const auto end = static_cast<uint32_t>(is_leaf ? num_points_ : layers_[l + 1].num_nodes);
+    const auto end = static_cast<uint32_t>(is_leaf ? num_points_ : layers_[l + 1].first->entry.size / sizeof(uint32_t));
     append<uint32_t>(layer.first, {&end, 1});
     if (is_leaf || layer.num_nodes % 64 == 0) continue;
     append<uint64_t>(layer.moments_mask, {&layer.word, 1});
@@ -222,7 +261,7 @@ void VoxelMapWriter::place_grown_sections() {
     for (uint64_t done = 0; done < entry.size;) {
       const size_t step = static_cast<size_t>(std::min<uint64_t>(kCopyStep, entry.size - done));
       section->grown->read(done, block.data(), step);
-      write_at(entry.offset + done, block.data(), step);
+      out_.write(entry.offset + done, block.data(), step);
       done += step;
     }
     section->grown.reset();
@@ -231,11 +270,12 @@ void VoxelMapWriter::place_grown_sections() {
   // So that the last section, too, ends where the header says that the file does.
   const VoxelMapSectionEntry& last = sections_.back()->entry;
   const std::vector<char> padding(static_cast<size_t>(end_ - last.offset - last.size), '\0');
-  write_at(last.offset + last.size, padding.data(), padding.size());
+  out_.write(last.offset + last.size, padding.data(), padding.size());
 }
 
 void VoxelMapWriter::commit() {
   assert(num_points_ == outline_.num_points);
+  join_checksums();
   finish_layers();
   place_grown_sections();
   VoxelMapHeader header;
@@ -250,8 +290,8 @@ void VoxelMapWriter::commit() {
   for (const auto& section : sections_) table.push_back(section->entry);
   const size_t table_size = table.size() * sizeof(VoxelMapSectionEntry);
   header.checksum = extended_checksum(extended_checksum(0, &header, sizeof(header)), table.data(), table_size);
-  write_at(sizeof(header), table.data(), table_size);
-  write_at(0, &header, sizeof(header));
+  out_.write(sizeof(header), table.data(), table_size);
+  out_.write(0, &header, sizeof(header));
   file_.commit();
 }
 

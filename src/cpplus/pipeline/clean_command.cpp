@@ -57,8 +57,8 @@ CleanSummary run_clean(const CleanCommandOptions& options) {
   DynamicsResult dynamics;
   {
     const VoxelMap map(points, options.voxel_map);
-    points.positions = {};  // the map holds them
-    return_freed_memory();  // and what building the map took
+    free_memory(&points.positions);  // the map holds them
+    return_freed_memory();           // and what building the map took
     dynamics = find_dynamics(map, folder.scans, options.dynamics);
     points.positions = positions_in_input_order(map);
   }

@@ -53,10 +53,20 @@ std::optional<FeatureStore> open_feature_store(const std::string& map_path, cons
   return FeatureStore(map_path, points, stages, options);
 }
 
-MapFeatures find_map_features(const NearMap& near, FeatureStore* store, const RefineImagesOptions& stages) {
-  if (store != nullptr) return store->find(near.roots, near.points.map);
-  Progress progress("map", kMapSteps);
-  return extract_map_features(near.points, stages, &progress);
+NearFeatures find_features_near(const std::string& map_path, const PointMap& points,
+                                const std::vector<Eigen::Vector3d>& places, FeatureStore* store,
+                                const RefineImagesOptions& stages) {
+  NearFeatures result;
+  const std::vector<uint32_t> roots = roots_near_places(points.map, places, map_reach_m(stages));
+  if (store != nullptr) store->look_at(roots);
+  result.near = part_near(map_path, points, roots);
+  if (store != nullptr) {
+    result.features = store->find(roots, result.near.points.map);
+  } else {
+    Progress progress("map", kMapSteps);
+    result.features = extract_map_features(result.near.points, stages, &progress);
+  }
+  return result;
 }
 
 std::string features_folder(const std::string& map_path) { return map_path + ".features"; }
@@ -81,7 +91,8 @@ FeatureStore::FeatureStore(const std::string& map_path, PointMap points, const R
       options_(options),
       key_(fmt::format("map={}{}{}{}", voxel_map_fingerprint(map_path), options_text("tiles", options),
                        options_text("planes", stages.planes), options_text("map_edges", stages.map_edges))),
-      tiles_(divide_map(points_.map, static_cast<size_t>(options.max_points))) {
+      tiles_(divide_map(points_.map, static_cast<size_t>(options.max_points))),
+      is_found_(tiles_.size(), false) {
   remove_leftovers(folder_);
 }
 
@@ -90,6 +101,15 @@ MapFeatures FeatureStore::find(const std::vector<uint32_t>& roots, const VoxelMa
   std::vector<const MapTile*> tiles;
   for (const size_t t : indices) tiles.push_back(&tiles_[t]);
   return join_tiles(points_.map, near, roots, tiles, load(indices), stages_);
+}
+
+void FeatureStore::look_at(const std::vector<uint32_t>& roots) {
+  if (!is_writable_) return;  // what is not kept is looked at by find()
+  std::vector<size_t> missing;
+  for (const size_t t : tiles_of(roots)) {
+    if (!std::filesystem::exists(path_of(t))) missing.push_back(t);
+  }
+  look_at(missing, [this](size_t, const TileFeatures&) { return is_writable_; });
 }
 
 void FeatureStore::find_all() {
@@ -117,15 +137,13 @@ std::string FeatureStore::path_of(size_t tile) const {
   return (std::filesystem::path(folder_) / fmt::format("{:06}-{:016x}{}", tile, hash_of(key_), kEnding)).string();
 }
 
-bool FeatureStore::read(size_t tile, TileFeatures* features) const {
+/// Nothing where there is no such file; where it is damaged, `problem` says so.
+std::optional<TileFeatures> FeatureStore::read(size_t tile, std::string* problem) const {
   try {
-    std::optional<TileFeatures> found = read_tile_features(path_of(tile), key_of(tile));
-    if (!found) return false;
-    *features = std::move(*found);
-    return true;
+    return read_tile_features(path_of(tile), key_of(tile));
   } catch (const Error& error) {
-    log_warning(fmt::format("{}; it is made anew", error.what()));
-    return false;
+    *problem = error.what();
+    return std::nullopt;
   }
 }
 
@@ -139,24 +157,51 @@ void FeatureStore::keep(size_t tile, const TileFeatures& features) {
   }
 }
 
+/// Visits the features of tiles[k] in the order of k, until a visit returns false.
+void FeatureStore::look_at(const std::vector<size_t>& tiles,
+                           const std::function<bool(size_t k, TileFeatures features)>& visit) {
+  if (!tiles.empty() && tiles_.size() > 1 && !noise_m_) noise_m_ = sampled_noise_m(points_.map, stages_.planes);
+  Progress progress("map", kMapSteps * tiles.size());
+  for (size_t begin = 0; begin < tiles.size(); begin += kTilesAtATime) {
+    const size_t end = std::min(begin + kTilesAtATime, tiles.size());
+    std::vector<TileFeatures> found(end - begin);
+    parallel_for_each(end - begin, [&](size_t i) {
+      const MapTile& tile = tiles_[tiles[begin + i]];
+      found[i] = find_tile_features(points_, tile, options_.halo_m, noise_m_, stages_, &progress);
+    });
+    for (size_t i = 0; i < found.size(); ++i) {
+      keep(tiles[begin + i], found[i]);
+      is_found_[tiles[begin + i]] = true;
+      ++num_found_;
+      if (!visit(begin + i, std::move(found[i]))) return;
+    }
+  }
+}
+
 std::vector<TileFeatures> FeatureStore::load(const std::vector<size_t>& tiles) {
   std::vector<TileFeatures> features(tiles.size());
-  std::vector<size_t> missing;
+  std::vector<char> is_there(tiles.size(), 0);
+  std::vector<std::string> problems(tiles.size());
+  parallel_for_each(tiles.size(), [&](size_t k) {
+    std::optional<TileFeatures> found = read(tiles[k], &problems[k]);
+    if (!found) return;
+    features[k] = std::move(*found);
+    is_there[k] = 1;
+  });
+  std::vector<size_t> places, missing;
   for (size_t k = 0; k < tiles.size(); ++k) {
-    if (!read(tiles[k], &features[k])) missing.push_back(k);
+    if (!problems[k].empty()) log_warning(fmt::format("{}; it is made anew", problems[k]));
+    if (is_there[k] != 0) {
+      num_read_ += is_found_[tiles[k]] ? 0 : 1;
+      continue;
+    }
+    places.push_back(k);
+    missing.push_back(tiles[k]);
   }
-  num_found_ += missing.size();
-  num_read_ += tiles.size() - missing.size();
-  if (!missing.empty() && tiles_.size() > 1 && !noise_m_) noise_m_ = sampled_noise_m(points_.map, stages_.planes);
-  Progress progress("map", kMapSteps * missing.size());
-  for (size_t begin = 0; begin < missing.size(); begin += kTilesAtATime) {
-    const size_t end = std::min(begin + kTilesAtATime, missing.size());
-    parallel_for_each(end - begin, [&](size_t i) {
-      const size_t k = missing[begin + i];
-      features[k] = find_tile_features(points_, tiles_[tiles[k]], options_.halo_m, noise_m_, stages_, &progress);
-    });
-    for (size_t i = begin; i < end; ++i) keep(tiles[missing[i]], features[missing[i]]);
-  }
+  look_at(missing, [&](size_t k, TileFeatures found) {
+    features[places[k]] = std::move(found);
+    return true;
+  });
   return features;
 }
 

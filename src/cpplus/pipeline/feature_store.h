@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,10 +43,14 @@ class FeatureStore {
   /// looked at are now. Throws Error where the map's indices are damaged.
   MapFeatures find(const std::vector<uint32_t>& roots, const VoxelMap& near);
 
+  /// Looks at the tiles of these roots of which there is no file, and keeps nothing of them in memory: before `near` is
+  /// made for find(), so that the two are not in memory at a time.
+  void look_at(const std::vector<uint32_t>& roots);
+
   /// Looks at all tiles that have not been looked at yet.
   void find_all();
 
-  /// Tiles that find() and find_all() have looked at so far, and those whose features they read instead.
+  /// Tiles that were looked at so far, and how often features were read that were there before.
   size_t num_found() const { return num_found_; }
   size_t num_read() const { return num_read_; }
 
@@ -53,8 +58,9 @@ class FeatureStore {
   std::vector<size_t> tiles_of(const std::vector<uint32_t>& roots) const;
   std::string path_of(size_t tile) const;
   std::string key_of(size_t tile) const;
-  bool read(size_t tile, TileFeatures* features) const;
+  std::optional<TileFeatures> read(size_t tile, std::string* problem) const;
   void keep(size_t tile, const TileFeatures& features);
+  void look_at(const std::vector<size_t>& tiles, const std::function<bool(size_t k, TileFeatures features)>& visit);
   std::vector<TileFeatures> load(const std::vector<size_t>& tiles);
 
   std::string folder_;
@@ -63,6 +69,7 @@ class FeatureStore {
   FeatureStoreOptions options_;
   std::string key_;
   std::vector<MapTile> tiles_;
+  std::vector<bool> is_found_;     // by tile: looked at by this store
   std::optional<double> noise_m_;  // of more than one tile, once it was needed
   size_t num_found_ = 0;
   size_t num_read_ = 0;
@@ -73,8 +80,16 @@ class FeatureStore {
 std::optional<FeatureStore> open_feature_store(const std::string& map_path, const PointMap& points, bool keep_features,
                                                const RefineImagesOptions& stages, const FeatureStoreOptions& options);
 
-/// The features of a part of a map: from the store where there is one (not null), else found in the part alone.
-MapFeatures find_map_features(const NearMap& near, FeatureStore* store, const RefineImagesOptions& stages);
+/// The part of a map within reach of some places, and its features.
+struct NearFeatures {
+  NearMap near;
+  MapFeatures features;
+};
+
+/// From the store where there is one (not null), else found in the part alone. Throws what map_near_places() does.
+NearFeatures find_features_near(const std::string& map_path, const PointMap& points,
+                                const std::vector<Eigen::Vector3d>& places, FeatureStore* store,
+                                const RefineImagesOptions& stages);
 
 /// The folder for the features of a voxel map file.
 std::string features_folder(const std::string& map_path);

@@ -112,6 +112,24 @@ TEST_F(FeatureStoreTest, LooksOnlyAtTheTilesAsked) {
   EXPECT_EQ(tile_files().size(), 1u);
 }
 
+TEST_F(FeatureStoreTest, LookedAtBeforehandTheyAreTheSame) {
+  const auto [expected, num_found] = find();
+  remove_features(map());
+  FeatureStore store = open();
+  const PointMap points = read_map(map(), {});
+  std::vector<uint32_t> roots(points.map.num_nodes(0));
+  std::iota(roots.begin(), roots.end(), 0u);
+  store.look_at({0});
+  EXPECT_EQ(store.num_found(), 1u);
+  EXPECT_EQ(tile_files().size(), 1u);
+  store.look_at(roots);
+  store.look_at(roots);
+  EXPECT_EQ(store.num_found(), num_found);
+  expect_same_found(store.find(roots, points.map), expected);
+  EXPECT_EQ(store.num_found(), num_found) << "nothing twice";
+  EXPECT_EQ(store.num_read(), 0u) << "nothing was there before";
+}
+
 TEST_F(FeatureStoreTest, OtherOptionsDoNotTakeThem) {
   find();
   stages_.planes.max_distance_sigmas = 2.5;

@@ -1,9 +1,11 @@
 #include "cpplus/pipeline/grouped_features.h"
 
+#include <functional>
 #include <numeric>
 #include <utility>
 
 #include "cpplus/core/memory.h"
+#include "cpplus/core/parallel.h"
 #include "cpplus/pipeline/image_groups.h"
 #include "cpplus/pipeline/map_near_images.h"
 
@@ -19,6 +21,12 @@ void for_each_array(MapFeatures* features, const Visit& visit) {
   visit(&features->edges);
   visit(&features->leaf_spacing);
   visit(&features->equal_intensities);
+}
+
+PointMap without_attributes(const PointMap& points) {
+  PointMap result;
+  result.map = points.map;
+  return result;
 }
 
 }  // namespace
@@ -38,16 +46,18 @@ GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, F
   }
   if (groups_.size() > 1) file_ = std::make_unique<ScratchFile>(target);
   for (const std::unique_ptr<Group>& group : groups_) {
-    const NearMap near = map_near(*group);
-    group->features = find_map_features(near, store, options);
+    NearFeatures found = find_features_near(map_path_, points_, places_of(*group), store, options);
+    group->features = std::move(found.features);
     if (with_intensities) {
-      const std::span<const float> intensities = near.points.intensities;
+      const std::span<const float> intensities = found.near.points.intensities;
       group->features.equal_intensities = equalise_intensities({intensities.begin(), intensities.end()});
     }
+    found.near = {};
     num_edges_ += group->features.edges.size();
     if (file_) put_away(group.get());
   }
-  if (!file_) points_ = {};  // the only group holds what is needed of it
+  // The only group holds what is needed of the map; others are loaded without what only finding features takes.
+  points_ = file_ ? without_attributes(points_) : PointMap();
 }
 
 void GroupedFeatures::for_each_group(const std::vector<size_t>& images, const Body& body) {
@@ -72,15 +82,15 @@ double GroupedFeatures::noise_m() const {
   return groups_.empty() ? 0.0 : sum / static_cast<double>(groups_.size());
 }
 
-NearMap GroupedFeatures::map_near(const Group& group) const {
+std::vector<Eigen::Vector3d> GroupedFeatures::places_of(const Group& group) const {
   std::vector<Eigen::Vector3d> places;
   places.reserve(group.images.size());
   for (const size_t i : group.images) places.push_back(places_[i]);
-  return map_near_places(map_path_, points_, places, reach_m_);
+  return places;
 }
 
 void GroupedFeatures::put_away(Group* group) {
-  group->features.planes.plane_of_point = {};  // only what is found from it is used
+  free_memory(&group->features.planes.plane_of_point);  // only what is found from it is used
   group->offset = file_end_;
   for_each_array(&group->features, [&](auto* array) {
     group->array_sizes.push_back(array->size());
@@ -95,19 +105,25 @@ void GroupedFeatures::load(size_t g) {
   if (loaded_) unload(groups_[*loaded_].get());
   loaded_ = g;
   Group& group = *groups_[g];
-  group.features.map = map_near(group).points.map;
+  std::vector<std::function<void()>> tasks = {
+      [&] { group.features.map = map_near_places(map_path_, points_, places_of(group), reach_m_).points.map; }};
   uint64_t offset = group.offset;
   auto size = group.array_sizes.begin();
   for_each_array(&group.features, [&](auto* array) {
-    array->resize(*size++);
-    file_->read(offset, array->data(), array->size() * sizeof(*array->data()));
-    offset += array->size() * sizeof(*array->data());
+    const size_t num_bytes = *size * sizeof(*array->data());
+    tasks.emplace_back([this, array, offset, count = *size, num_bytes] {
+      array->resize(count);
+      file_->read(offset, array->data(), num_bytes);
+    });
+    offset += num_bytes;
+    ++size;
   });
+  parallel_for_each(tasks.size(), [&](size_t i) { tasks[i](); });
 }
 
 void GroupedFeatures::unload(Group* group) {
   group->features.map = {};
-  for_each_array(&group->features, [](auto* array) { *array = {}; });
+  for_each_array(&group->features, [](auto* array) { free_memory(array); });
   return_freed_memory();
 }
 

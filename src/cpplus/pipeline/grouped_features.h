@@ -53,7 +53,7 @@ class GroupedFeatures {
   void put_away(Group* group);
   void load(size_t g);
   static void unload(Group* group);
-  NearMap map_near(const Group& group) const;
+  std::vector<Eigen::Vector3d> places_of(const Group& group) const;
 
   std::string map_path_;
   PointMap points_;

@@ -88,14 +88,35 @@ class PlaneJoiner {
     return id;
   }
 
-  /// Planes that are the same in most of the leaves that one has in the other's tile; those that share most first.
-  std::vector<Link> find_links() const {
+  /// The leaves that tiles have patches around them in, ascending.
+  std::vector<uint32_t> leaves_around() const {
+    std::vector<uint32_t> leaves;
+    for (const TileFeatures& tile : tiles_) {
+      for (const PlanePatch& patch : tile.patches_around) leaves.push_back(patch.leaf);
+    }
+    std::sort(leaves.begin(), leaves.end());
+    leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+    return leaves;
+  }
+
+  /// The patches of these leaves in the tiles that hold them, in the order of the leaves: of all patches few.
+  std::vector<OwnPatch> own_patches(const std::vector<uint32_t>& leaves) const {
     std::vector<OwnPatch> own;
     for (size_t t = 0; t < tiles_.size(); ++t) {
-      for (const PlanePatch& patch : tiles_[t].patches)
-        own.push_back({patch.leaf, first_[t] + patch.plane, patch.center});
+      auto leaf = leaves.begin();
+      for (const PlanePatch& patch : tiles_[t].patches) {
+        while (leaf != leaves.end() && *leaf < patch.leaf) ++leaf;
+        if (leaf == leaves.end()) break;
+        if (*leaf == patch.leaf) own.push_back({patch.leaf, first_[t] + patch.plane, patch.center});
+      }
     }
     std::stable_sort(own.begin(), own.end(), [](const auto& a, const auto& b) { return a.leaf < b.leaf; });
+    return own;
+  }
+
+  /// Planes that are the same in most of the leaves that one has in the other's tile; those that share most first.
+  std::vector<Link> find_links() const {
+    const std::vector<OwnPatch> own = own_patches(leaves_around());
     std::map<std::pair<int32_t, int32_t>, int> num_same;
     std::map<std::pair<int32_t, size_t>, int> num_around;  // leaves of a plane in the patches of another tile
     const auto is_before = [](const OwnPatch& patch, uint32_t leaf) { return patch.leaf < leaf; };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <numeric>
+#include <utility>
 
 #include "cpplus/cloud/map_part.h"
 #include "cpplus/core/error.h"
@@ -36,16 +37,20 @@ std::vector<uint32_t> roots_near_places(const VoxelMap& map, const std::vector<E
   return roots;
 }
 
-NearMap map_near_places(const std::string& path, const PointMap& points, const std::vector<Eigen::Vector3d>& places,
-                        double reach_m) {
+NearMap part_near(const std::string& path, const PointMap& points, std::vector<uint32_t> roots) {
   NearMap near;
-  near.roots = roots_near_places(points.map, places, reach_m);
+  near.roots = std::move(roots);
   try {
     near.points = part_of_map(points, near.roots);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: damaged: {}", path, error.what()));
   }
   return near;
+}
+
+NearMap map_near_places(const std::string& path, const PointMap& points, const std::vector<Eigen::Vector3d>& places,
+                        double reach_m) {
+  return part_near(path, points, roots_near_places(points.map, places, reach_m));
 }
 
 std::vector<Eigen::Vector3d> camera_centers(const SparseModel& model) {

@@ -20,7 +20,10 @@ struct NearMap {
 std::vector<uint32_t> roots_near_places(const VoxelMap& map, const std::vector<Eigen::Vector3d>& places,
                                         double reach_m);
 
-/// The part of these roots. Throws Error naming the file `path` of the map where its indices are damaged.
+/// The part of some roots (ascending). Throws Error naming the file `path` of the map where its indices are damaged.
+NearMap part_near(const std::string& path, const PointMap& points, std::vector<uint32_t> roots);
+
+/// The part of the roots within reach_m of any of the places, likewise.
 NearMap map_near_places(const std::string& path, const PointMap& points, const std::vector<Eigen::Vector3d>& places,
                         double reach_m);
 

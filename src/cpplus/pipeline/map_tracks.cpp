@@ -6,6 +6,7 @@
 #include <span>
 
 #include "cpplus/colorize/robust_color.h"
+#include "cpplus/core/memory.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/visibility/point_spacing.h"
@@ -172,7 +173,7 @@ std::vector<SparsePoint> MapTracks::take() {
         point.track.push_back({view.image_id, *pixel});
       }
     }
-    view.seen = {};
+    free_memory(&view.seen);
   }
   return points;
 }

@@ -74,6 +74,7 @@ RefineResult read_refine_result(const std::string& folder, const RefineInputs& g
     set_options(options, list_options(result.stages));
     set_options(options, list_options(result.tiles, "tiles"));
     result.keep_features = options.value("keep_features", result.keep_features);
+    result.max_group_points = options.value("max_group_points", result.max_group_points);
     for (const Json& image : report.at("images")) result.image_names.push_back(image.at("name"));
   } catch (const Json::exception& error) {
     throw Error(fmt::format("{}: not a report of `cpplus refine`: {}", path, error.what()));

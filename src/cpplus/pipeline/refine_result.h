@@ -5,6 +5,7 @@
 
 #include "cpplus/geometry/sparse_model.h"
 #include "cpplus/pipeline/feature_store.h"
+#include "cpplus/pipeline/refine_command.h"
 #include "cpplus/pipeline/refine_images.h"
 
 namespace cpplus {
@@ -17,6 +18,7 @@ struct RefineResult {
   RefineInputs inputs;
   RefineImagesOptions stages;
   bool keep_features = true;  // see RefineCommandOptions
+  int max_group_points = RefineCommandOptions().max_group_points;
   FeatureStoreOptions tiles;
   SparseModel coarse;
   SparseModel refined;

@@ -9,7 +9,6 @@
 #include "cpplus/io/atomic_file.h"
 #include "cpplus/io/map_io.h"
 #include "cpplus/pipeline/feature_store.h"
-#include "cpplus/pipeline/map_near_images.h"
 #include "cpplus/pipeline/report_pictures.h"
 #include "cpplus/report/report_page.h"
 #include "cpplus/report/web_files.h"
@@ -54,13 +53,12 @@ void add_pictures(const RefineResult& result, const ReportCommandOptions& option
   std::vector<size_t> drawn;
   if (!plan.missing.empty() || !fs::exists(floor_plan)) {
     const PointMap points = read_map(result.inputs.map, result.stages.voxel_map);
-    const NearMap near =
-        map_near_places(result.inputs.map, points, camera_centers(result.coarse), map_reach_m(result.stages));
     std::optional<FeatureStore> store =
         open_feature_store(result.inputs.map, points, result.keep_features, result.stages, result.tiles);
-    const MapFeatures features = find_map_features(near, store ? &*store : nullptr, result.stages);
-    drawn = draw_pictures(result, features, plan.missing, folder, options.picture_size_px);
-    write_floor_plan(features.map, *page, floor_plan);
+    write_floor_plan(points.map, *page, floor_plan);
+    GroupedFeatures features(result.inputs.map, points, store ? &*store : nullptr, result.coarse, result.stages, false,
+                             static_cast<size_t>(result.max_group_points), folder);
+    drawn = draw_pictures(result, &features, plan.missing, folder, options.picture_size_px);
   }
   page->has_floor_plan = true;
   for (size_t i : plan.kept) page->has_pictures[i] = true;

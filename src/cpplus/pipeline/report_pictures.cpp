@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <system_error>
 
 #include "cpplus/core/error.h"
@@ -98,25 +99,34 @@ PicturePlan plan_pictures(const RefineResult& result, const std::string& folder,
   return plan;
 }
 
-std::vector<size_t> draw_pictures(const RefineResult& result, const MapFeatures& features,
+std::vector<size_t> draw_pictures(const RefineResult& result, GroupedFeatures* features,
                                   const std::vector<size_t>& images, const std::string& folder, int picture_size_px) {
   const std::vector<std::string>& names = result.image_names;
   const std::vector<size_t> coarse_places = places_in_model(names, result.coarse);
   const std::vector<size_t> refined_places = places_in_model(names, result.refined);
   std::vector<std::string> problems(images.size());
   Progress progress("draw pictures", images.size());
-  parallel_for_each(images.size(), [&](size_t k) {
+  const auto draw = [&](const MapFeatures& near, size_t k) {
     const size_t i = images[k];
     const PosedImage& coarse = result.coarse.images[coarse_places[i]];
     const bool in_refined = refined_places[i] < result.refined.images.size();
     const Rigid3& refined =
         in_refined ? result.refined.images[refined_places[i]].camera_from_map : coarse.camera_from_map;
     try {
-      write_pictures(result, features, coarse, refined, files_of(folder, i), picture_size_px);
+      write_pictures(result, near, coarse, refined, files_of(folder, i), picture_size_px);
     } catch (const Error& error) {
       problems[k] = error.what();
     }
     progress.advance();
+  };
+  std::vector<size_t> places;
+  std::map<size_t, size_t> number_of;  // in `images`, by place in the coarse model
+  for (size_t k = 0; k < images.size(); ++k) {
+    places.push_back(coarse_places[images[k]]);
+    number_of[places.back()] = k;
+  }
+  features->for_each_group(places, [&](const MapFeatures& near, const std::vector<size_t>& some) {
+    parallel_for_each(some.size(), [&](size_t s) { draw(near, number_of.at(some[s])); });
   });
   std::vector<size_t> drawn;
   for (size_t k = 0; k < images.size(); ++k) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cpplus/pipeline/grouped_features.h"
 #include "cpplus/pipeline/refine_result.h"
 
 namespace cpplus {
@@ -18,8 +19,8 @@ struct PicturePlan {
 PicturePlan plan_pictures(const RefineResult& result, const std::string& folder, int picture_size_px);
 
 /// Draws the map's edges that each image should see over it, by its coarse and by its refined pose, and makes a
-/// thumbnail. Returns the images for which that worked; the others are warned of.
-std::vector<size_t> draw_pictures(const RefineResult& result, const MapFeatures& features,
+/// thumbnail. `features`: those of result.coarse. Returns the images for which that worked; the others are warned of.
+std::vector<size_t> draw_pictures(const RefineResult& result, GroupedFeatures* features,
                                   const std::vector<size_t>& images, const std::string& folder, int picture_size_px);
 
 }  // namespace cpplus

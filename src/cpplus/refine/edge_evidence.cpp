@@ -69,6 +69,8 @@ EdgeEvidence::EdgeEvidence(const Camera& camera, const ImagePose& pose, const st
     s.candidates_end = static_cast<uint32_t>(candidates_.size());
     samples_.push_back(s);
   }
+  samples_.shrink_to_fit();
+  candidates_.shrink_to_fit();
 }
 
 EdgeEvidence::Selection EdgeEvidence::all() const {

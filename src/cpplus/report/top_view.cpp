@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/error.h"
 
 namespace cpplus {
@@ -16,11 +17,17 @@ constexpr uint8_t kGray = 120;
 cv::Mat count_leaves(const VoxelMap& map, const TopView& view, const TopViewBounds& bounds, double pixel_m,
                      const cv::Size& size) {
   cv::Mat counts = cv::Mat::zeros(size, CV_32FC1);
-  for (uint32_t leaf = 0; leaf < map.num_nodes(map.leaf_layer()); ++leaf) {
-    const Eigen::Vector2d p = (view * map.center(map.leaf_layer(), leaf) - bounds.min) / pixel_m;
-    const int column = static_cast<int>(std::floor(p.x()));
-    const int row = size.height - 1 - static_cast<int>(std::floor(p.y()));
-    if (column >= 0 && row >= 0 && column < size.width && row < size.height) counts.at<float>(row, column) += 1.0f;
+  const double margin = map.voxel_size(0);  // a root reaches less far from its middle
+  for (uint32_t root = 0; root < map.num_nodes(0); ++root) {
+    const Eigen::Array2d middle = view * map.center(0, root);
+    if ((middle < bounds.min.array() - margin || middle > bounds.max.array() + margin).any()) continue;
+    const NodeRange leaves = leaves_of(map, 0, root);
+    for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
+      const Eigen::Vector2d p = (view * map.center(map.leaf_layer(), leaf) - bounds.min) / pixel_m;
+      const int column = static_cast<int>(std::floor(p.x()));
+      const int row = size.height - 1 - static_cast<int>(std::floor(p.y()));
+      if (column >= 0 && row >= 0 && column < size.width && row < size.height) counts.at<float>(row, column) += 1.0f;
+    }
   }
   return counts;
 }

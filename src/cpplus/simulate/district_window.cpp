@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "cpplus/core/memory.h"
 #include "cpplus/core/parallel.h"
 #include "cpplus/simulate/district_tile.h"
 
@@ -13,8 +14,8 @@ struct DistrictWindow::Tile {
   Tile(Scene built, float light_cell_m)
       : scene(std::move(built)), traced(scene.mesh, scene.materials), light(scene.mesh, light_cell_m) {
     // Embree has its own copy.
-    scene.mesh.vertices = {};
-    scene.mesh.triangles = {};
+    free_memory(&scene.mesh.vertices);
+    free_memory(&scene.mesh.triangles);
   }
 
   Scene scene;
