@@ -42,14 +42,11 @@ EdgeLikelihood::EdgeLikelihood(const Camera& camera, const Rigid3& camera_from_m
     : field_(field) {
   const size_t most = static_cast<size_t>(std::max(1, max_samples));
   const size_t step = std::max<size_t>(1, (samples.size() + most - 1) / most);
-  // Every fourth one, those half-way between, then the others: the parts are about alike.
   const SampleProjector projector(camera, camera_from_map);
-  for (const size_t first : {0, 2, 1, 3}) {
-    for (size_t i = first * step; i < samples.size(); i += kParts * step) {
-      const auto projected = projector.project(samples[i]);
-      if (!projected) continue;
-      add({&samples[i], *projected}, edges[samples[i].edge], static_cast<float>(step));
-    }
+  for (size_t i = 0; i < samples.size(); i += step) {
+    const auto projected = projector.project(samples[i]);
+    if (!projected) continue;
+    add({&samples[i], *projected}, edges[samples[i].edge], static_cast<float>(step));
   }
   fill_up();
   look_around();
@@ -120,10 +117,10 @@ CPPLUS_VECTOR_CLONES void EdgeLikelihood::set_kernel(double kernel_px) {
   }
 }
 
-CPPLUS_VECTOR_CLONES double EdgeLikelihood::log_ratio(const Vector6d& delta, size_t first, size_t last) const {
+CPPLUS_VECTOR_CLONES double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
   const Eigen::Matrix<float, 6, 1> d = delta.cast<float>();
   std::array<float, kBlock> sums{};
-  for (size_t begin = first * kBlock; begin < last * kBlock; begin += kBlock) {
+  for (size_t begin = 0; begin < size_; begin += kBlock) {
     std::array<float, kBlock> x, y;
     std::copy_n(&x_[begin], kBlock, x.begin());
     std::copy_n(&y_[begin], kBlock, y.begin());

@@ -56,14 +56,7 @@ class EdgeLikelihood {
   void set_kernel(double kernel_px);
 
   /// Logarithm of the likelihood ratio at a perturbation (geometry/rigid3.h); 0 = as good as chance.
-  double log_ratio(const Vector6d& delta) const { return log_ratio(delta, 0, num_blocks()); }
-
-  /// The samples in parts, each spread evenly over all of them; one where they are few.
-  size_t num_parts() const { return num_blocks() < kMinBlocksInParts ? 1 : kParts; }
-  /// What a part of the samples adds to log_ratio().
-  double log_ratio_of_part(const Vector6d& delta, size_t part) const {
-    return log_ratio(delta, part * num_blocks() / num_parts(), (part + 1) * num_blocks() / num_parts());
-  }
+  double log_ratio(const Vector6d& delta) const;
 
   /// The same at the pose itself, with the share of edges that the image shows fitted to it for each kind of edge: a
   /// kind that this map has in vain (intensities that differ from one laser of the LiDAR to the next) then weighs
@@ -75,12 +68,6 @@ class EdgeLikelihood {
  private:
   // Samples are looked at in blocks of so many; the last block is filled up with samples of no weight.
   static constexpr size_t kBlock = 32;
-  static constexpr size_t kParts = 4;
-  static constexpr size_t kMinBlocksInParts = 8;
-
-  size_t num_blocks() const { return x_.size() / kBlock; }
-  // Of the blocks [first, last).
-  double log_ratio(const Vector6d& delta, size_t first, size_t last) const;
 
   // `share`: for how many samples this one stands.
   void add(const SampleInImage& sample, const MapEdge& edge, float share);

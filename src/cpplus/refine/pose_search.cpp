@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "cpplus/core/random.h"
 #include "cpplus/refine/edge_likelihood.h"
@@ -13,30 +12,8 @@ namespace {
 
 struct Hypothesis {
   Vector6d x = Vector6d::Zero();  // in standard deviations of the guess
-  double log_ratio = 0.0;         // of the samples looked at
   double score = 0.0;
 };
-
-bool is_better(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
-
-// The best num_elites poses, best first. All are looked at with a part of the samples, then the better half with
-// another one, and so on: which poses are bad few samples tell.
-void keep_best(const EdgeLikelihood& likelihood, const Matrix6d& root, size_t num_elites,
-               std::vector<Hypothesis>* poses) {
-  const double num_parts = static_cast<double>(likelihood.num_parts());
-  for (size_t part = 0; part < likelihood.num_parts(); ++part) {
-    for (Hypothesis& pose : *poses) {
-      pose.log_ratio += likelihood.log_ratio_of_part(root * pose.x, part);
-      pose.score = pose.log_ratio * num_parts / static_cast<double>(part + 1) - 0.5 * pose.x.squaredNorm();
-    }
-    if (part + 1 == likelihood.num_parts()) break;
-    const size_t half = std::min(poses->size(), std::max(num_elites, poses->size() / 2));
-    std::nth_element(poses->begin(), poses->begin() + static_cast<std::ptrdiff_t>(half - 1), poses->end(), is_better);
-    poses->resize(half);
-  }
-  std::stable_sort(poses->begin(), poses->end(), is_better);
-  poses->resize(std::min(num_elites, poses->size()));
-}
 
 }  // namespace
 
@@ -84,11 +61,15 @@ PoseSearchResult search_pose(const Camera& camera, const PoseGuess& guess, const
     const double progress = options.rounds > 1 ? static_cast<double>(round) / (options.rounds - 1) : 1.0;
     likelihood.set_kernel(options.first_kernel_px *
                           std::pow(options.last_kernel_px / options.first_kernel_px, progress));
-    std::vector<Hypothesis> poses;
-    for (const Hypothesis& elite : elites) poses.push_back({elite.x});
-    while (poses.size() < count) poses.push_back({elites[random.below(elites.size())].x + draw(spread)});
-    keep_best(likelihood, root, num_elites, &poses);
-    elites = std::move(poses);
+    std::vector<Hypothesis> poses = elites;
+    while (poses.size() < count) {
+      const Hypothesis& parent = elites[random.below(elites.size())];
+      poses.push_back({parent.x + draw(spread), 0.0});
+    }
+    for (Hypothesis& pose : poses) pose.score = likelihood.log_ratio(root * pose.x) - 0.5 * pose.x.squaredNorm();
+    std::stable_sort(poses.begin(), poses.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+    elites.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(std::min(num_elites, poses.size())));
     spread *= round == 0 ? 0.4 : 0.6;
   }
   const Vector6d best = root * elites.front().x;
