@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "e2e_world.h"
 #include "run_cpplus.h"
@@ -107,12 +109,14 @@ TEST(RollingShutter, TheReadoutTimeIsFoundFromCoarsePoses) {
   const nlohmann::json global = refine(directory + "/global", {"--joint-solve.imaging.readout-sigma-s", "0"});
   const nlohmann::json report = nlohmann::json::parse(read_file(directory + "/rolling/report.json"));
   EXPECT_NEAR(report.at("shared").begin()->at("readout_s").get<double>(), kReadoutS, 0.005);
-  const auto mean_shift = [](const nlohmann::json& evaluation) {
-    double sum = 0.0;
-    for (const auto& image : evaluation.at("images")) sum += image.at("mean_shift_px").get<double>();
-    return sum / static_cast<double>(evaluation.at("images").size());
+  // An image that keeps its coarse pose (a blurred one) tells nothing of the shutter: the middle image, not the mean.
+  const auto median_shift = [](const nlohmann::json& evaluation) {
+    std::vector<double> shifts;
+    for (const auto& image : evaluation.at("images")) shifts.push_back(image.at("mean_shift_px").get<double>());
+    std::sort(shifts.begin(), shifts.end());
+    return shifts.at(shifts.size() / 2);
   };
-  EXPECT_LT(mean_shift(rolling), mean_shift(global));
+  EXPECT_LT(median_shift(rolling), 0.8 * median_shift(global));
 }
 
 }  // namespace
