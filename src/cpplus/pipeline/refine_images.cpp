@@ -204,9 +204,8 @@ ImageReport refine_image(const MapFeatures& features, const std::string& name, c
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                              const GrayImage& image, const RefineImagesOptions& options) {
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
-  const std::vector<ProjectedPoint> points =
-      project_points(features.map, features.leaf_spacing, planes, options.silhouettes.max_distance_m);
-  RangeRaster raster = draw_range_raster(points, camera, options.silhouettes.cell_px);
+  auto [points, raster] = points_in_view(features.map, features.leaf_spacing, planes,
+                                         options.silhouettes.max_distance_m, options.silhouettes.cell_px);
   add_mean_ranges(points, kSurfaceDepthNoises * features.planes.noise_m, &raster);
   EdgesInView seen = edges_in_view(
       features, planes, find_silhouettes(points, raster, camera, camera_from_map, options.silhouettes), options);

@@ -109,7 +109,7 @@ struct RoomEvidence {
 
   explicit RoomEvidence(const DrawnNoise& noise = {}) {
     const Camera camera = test_camera();
-    samples = sample_visible_edges(room.edges, camera, true_view(), cast_plane_buffer(room, camera, true_view()), {});
+    samples = samples_in_view(room, camera, true_view());
     image = draw_room(room, camera, true_view(), noise);
     evidence = EdgeEvidence(camera, true_view(), room.edges, samples, image, kRadius, kAngle);
   }

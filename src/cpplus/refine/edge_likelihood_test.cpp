@@ -13,8 +13,7 @@ struct RoomLikelihood {
   TestRoom room = furnished_room();
   ImageEdges image = draw_room(room, test_camera(), true_view(), {});
   DirectionalDistanceField field{image, 4, 24.0};
-  std::vector<EdgeSample> samples = sample_visible_edges(room.edges, test_camera(), true_view(),
-                                                         cast_plane_buffer(room, test_camera(), true_view()), {});
+  std::vector<EdgeSample> samples = samples_in_view(room, test_camera(), true_view());
 
   EdgeLikelihood likelihood(int max_samples) const {
     EdgeLikelihood result(test_camera(), true_view(), room.edges, samples, field, max_samples);

@@ -52,10 +52,6 @@ std::vector<Eigen::Vector2d> turns_up_to(double max_angle_deg) {
   return turns;
 }
 
-}  // namespace
-
-namespace {
-
 // Of each edgel the bits of all normals that agree with it.
 std::vector<int32_t> agreeing_directions(const std::vector<ImageEdgel>& edgels, double max_angle_deg) {
   std::vector<float> x, y;

@@ -41,8 +41,7 @@ struct MovingCamera {
       image.velocity_per_s = velocities[i];
       DrawnNoise noise;
       noise.seed = i + 1;
-      const auto samples = sample_visible_edges(room.edges, given_camera, image.camera_from_map,
-                                                cast_plane_buffer(room, given_camera, image.camera_from_map), {});
+      const auto samples = samples_in_view(room, given_camera, image.camera_from_map);
       const ImageEdges drawn = draw_room(room, true_camera, {truth[i], readout_s * velocities[i]}, noise);
       edges[i] = EdgeEvidence(given_camera, image.camera_from_map, room.edges, samples, drawn, 24.0, 15.0);
       image.edges = &edges[i];

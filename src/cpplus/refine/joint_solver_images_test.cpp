@@ -83,7 +83,7 @@ struct Photographs {
   void draw_edges_of(size_t i, const TestRoom& drawn, DrawnNoise noise) {
     noise.seed = 10 * noise.seed + i;
     const Rigid3& coarse = problem.images[i].coarse_camera_from_map;
-    const auto samples = sample_visible_edges(room.edges, camera, coarse, cast_plane_buffer(room, camera, coarse), {});
+    const auto samples = samples_in_view(room, camera, coarse);
     edges[i] = EdgeEvidence(camera, coarse, room.edges, samples, draw_room(drawn, camera, truth[i], noise), 24.0, 15.0);
     problem.images[i].edges = &edges[i];
   }

@@ -17,7 +17,7 @@ Found search_from(const Rigid3& start, const DrawnNoise& noise) {
   const TestRoom room = furnished_room();
   const Camera camera = test_camera();
   const ImageEdges image = draw_room(room, camera, true_view(), noise);
-  const auto samples = sample_visible_edges(room.edges, camera, start, cast_plane_buffer(room, camera, start), {});
+  const auto samples = samples_in_view(room, camera, start);
   const PoseSearchOptions options;
   const DirectionalDistanceField field(image, 4, 3.0 * options.first_kernel_px);
   Found found;

@@ -20,7 +20,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 RefinePoseResult refine_from(const Rigid3& start, const ImageEdges& image, const TestRoom& room = furnished_room(),
                              const RefinePoseOptions& options = {}) {
   const Camera camera = test_camera();
-  const auto samples = sample_visible_edges(room.edges, camera, start, cast_plane_buffer(room, camera, start), {});
+  const auto samples = samples_in_view(room, camera, start);
   return refine_pose(camera, start, {start, options.prior.sigmas()}, room.edges, samples, image, options);
 }
 
@@ -120,8 +120,7 @@ TEST(RefinePose, WithoutImageEdgesTheCoarsePoseIsKept) {
 TEST(RefinePose, WithTooFewEdgesTheCoarsePoseIsKept) {
   TestRoom room = furnished_room();
   const Rigid3 start = disturbed(true_view(), 1.0, 0.10, 2);
-  const auto samples =
-      sample_visible_edges(room.edges, test_camera(), start, cast_plane_buffer(room, test_camera(), start), {});
+  const auto samples = samples_in_view(room, test_camera(), start);
   // The two edges with the most samples.
   std::vector<uint32_t> order(room.edges.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;

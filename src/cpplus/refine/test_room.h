@@ -170,6 +170,13 @@ inline PlaneBuffer cast_plane_buffer(const TestRoom& room, const Camera& camera,
   return buffer;
 }
 
+/// Samples of the room's edges that a camera should see.
+inline std::vector<EdgeSample> samples_in_view(const TestRoom& room, const Camera& camera,
+                                               const Rigid3& camera_from_map) {
+  return sample_visible_edges(room.edges, camera, camera_from_map, cast_plane_buffer(room, camera, camera_from_map),
+                              {});
+}
+
 /// camera_from_map of a camera that looks from one point to another, upright.
 inline Rigid3 look_at(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d z = (to - from).normalized();

@@ -37,17 +37,22 @@ TEST(TopView, BoundsHaveTheMarginOrHalfTheExtent) {
   EXPECT_EQ(bounds_around({{1, 1}}, 5.0).max, Eigen::Vector2d(6, 6));
 }
 
-TEST(TopView, FloorPlanShowsLeavesOfRootsThatReachBeyondIt) {
-  PointCloud cloud;  // in a root from 4 to 8 m, one leaf in the picture and one beyond it; another root far from it
-  for (const float x : {4.5f, 7.5f, 50.5f}) cloud.positions.emplace_back(x, 0.5f, 0.5f);
+// From the origin to `max`, metres; roots of 4 m, leaves of 1 m.
+cv::Mat floor_plan(const PointCloud& cloud, const Eigen::Vector2d& max) {
   VoxelMapOptions options;
   options.root_size_m = 4.0;
   options.leaf_size_m = 1.0;
   TopViewBounds bounds;
-  bounds.max = {5, 1};
+  bounds.max = max;
   const std::vector<uint8_t> png =
       floor_plan_png(VoxelMap(cloud, options), TopView(Eigen::Vector3d::UnitZ()), bounds, 1000);
-  const cv::Mat picture = cv::imdecode(png, cv::IMREAD_UNCHANGED);
+  return cv::imdecode(png, cv::IMREAD_UNCHANGED);
+}
+
+TEST(TopView, FloorPlanShowsLeavesOfRootsThatReachBeyondIt) {
+  PointCloud cloud;  // in a root from 4 to 8 m, one leaf in the picture and one beyond it; another root far from it
+  for (const float x : {4.5f, 7.5f, 50.5f}) cloud.positions.emplace_back(x, 0.5f, 0.5f);
+  const cv::Mat picture = floor_plan(cloud, {5, 1});
   ASSERT_EQ(picture.cols, 5);
   for (int column = 0; column < 5; ++column) {
     EXPECT_EQ(picture.at<cv::Vec4b>(0, column)[3] > 0, column == 4) << column;
@@ -58,14 +63,7 @@ TEST(TopView, FloorPlanShowsColumnsOfLeavesWhereTheyStand) {
   PointCloud cloud;  // a column of 8 leaves at (3.5, 0.5), one leaf at (0.5, 1.5)
   for (int i = 0; i < 8; ++i) cloud.positions.emplace_back(3.5f, 0.5f, 0.5f + static_cast<float>(i));
   cloud.positions.emplace_back(0.5f, 1.5f, 0.5f);
-  VoxelMapOptions options;
-  options.root_size_m = 4.0;
-  options.leaf_size_m = 1.0;
-  TopViewBounds bounds;
-  bounds.max = {4, 2};
-  const std::vector<uint8_t> png =
-      floor_plan_png(VoxelMap(cloud, options), TopView(Eigen::Vector3d::UnitZ()), bounds, 1000);
-  const cv::Mat picture = cv::imdecode(png, cv::IMREAD_UNCHANGED);
+  const cv::Mat picture = floor_plan(cloud, {4, 2});
   ASSERT_EQ(picture.cols, 4);  // pixels are no smaller than leaves
   ASSERT_EQ(picture.rows, 2);
   ASSERT_EQ(picture.channels(), 4);

@@ -22,8 +22,7 @@ CPPLUS_VECTOR_CLONES void flag_ends(const float* padded, const float* above, con
   const float* row = padded + 1;
   for (int x = 0; x < width; ++x) {
     const float near = row[x];
-    const float limit =
-        near + static_cast<float>(options.min_jump_m + options.min_jump_ratio * static_cast<double>(near));
+    const float limit = near + static_cast<float>(options.jump_at(static_cast<double>(near)));
     const auto ends = [limit](float next) { return !((next > 0.0f) & (next < limit)); };
     const int flags = ends(row[x + 1]) | ends(below[x]) << 1 | ends(row[x - 1]) << 2 | ends(above[x]) << 3;
     sides[x] = static_cast<uint8_t>(near == 0.0f ? 0 : flags);

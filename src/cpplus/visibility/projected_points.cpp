@@ -1,6 +1,5 @@
 #include "cpplus/visibility/projected_points.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -12,8 +11,6 @@
 
 namespace cpplus {
 namespace {
-
-constexpr size_t kUsualPoints = 1 << 20;  // of a view
 
 // Points of some nodes, a block at a time.
 class PointProjector {
@@ -82,15 +79,6 @@ void project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
     if (std::isfinite(spacing)) projector.add(map.points_begin(layer, node), map.points_end(layer, node), spacing);
   }
   projector.flush();
-}
-
-std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
-                                           const PlaneBuffer& planes, double max_distance_m) {
-  std::vector<ProjectedPoint> all;
-  all.reserve(std::min(map.num_points() / 4, kUsualPoints));
-  project_points(map, leaf_spacing, planes, max_distance_m,
-                 [&](std::span<const ProjectedPoint> points) { all.insert(all.end(), points.begin(), points.end()); });
-  return all;
 }
 
 }  // namespace cpplus

@@ -17,13 +17,9 @@ struct ProjectedPoint {
   float spacing_px = 0.0f;  // between it and its neighbours on the surface
 };
 
-/// The points within max_distance_m that project into the image of the plane buffer and belong to a surface (finite
-/// spacing), without most of those that its planes hide clearly (hidden_ranges.h). leaf_spacing as leaf_point_spacing()
-/// gives it.
-std::vector<ProjectedPoint> project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
-                                           const PlaneBuffer& planes, double max_distance_m);
-
-/// The same handed over in runs while the processor's cache holds them.
+/// Hands over the points within max_distance_m that project into the image of the plane buffer and belong to a surface
+/// (finite spacing), without most of those that its planes hide clearly (hidden_ranges.h), in the order of the map, in
+/// runs while the processor's cache holds them. leaf_spacing as leaf_point_spacing() gives it.
 void project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
                     double max_distance_m, const std::function<void(std::span<const ProjectedPoint>)>& visit);
 

@@ -40,11 +40,18 @@ VoxelMap clusters() {
   return VoxelMap(cloud, {});
 }
 
+std::vector<ProjectedPoint> points_in(const VoxelMap& map, const std::vector<float>& spacing, const Camera& camera) {
+  std::vector<ProjectedPoint> points;
+  project_points(map, spacing, open_view(camera), 6.0,
+                 [&](std::span<const ProjectedPoint> some) { points.insert(points.end(), some.begin(), some.end()); });
+  return points;
+}
+
 TEST(ProjectPoints, AreThoseOfOneByOneInTheOrderOfTheMap) {
   const VoxelMap map = clusters();
   const std::vector<float> spacing = leaf_point_spacing(map);
   for (const Camera& camera : {opencv(), fisheye()}) {
-    const std::vector<ProjectedPoint> points = project_points(map, spacing, open_view(camera), 6.0);
+    const std::vector<ProjectedPoint> points = points_in(map, spacing, camera);
     auto point = points.begin();
     for (uint32_t leaf = 0; leaf < map.num_nodes(map.leaf_layer()); ++leaf) {
       for (uint32_t i = map.points_begin(map.leaf_layer(), leaf); i < map.points_end(map.leaf_layer(), leaf); ++i) {
@@ -64,9 +71,7 @@ TEST(ProjectPoints, AreThoseOfOneByOneInTheOrderOfTheMap) {
   }
 }
 
-TEST(ProjectPoints, AnEmptyMapHasNone) {
-  EXPECT_TRUE(project_points(VoxelMap(), {}, open_view(opencv()), 6.0).empty());
-}
+TEST(ProjectPoints, AnEmptyMapHasNone) { EXPECT_TRUE(points_in(VoxelMap(), {}, opencv()).empty()); }
 
 TEST(NodesInView, HoldAllPointsInTheImageAndFewOthers) {
   const VoxelMap map = clusters();

@@ -19,6 +19,7 @@ constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 // hardly any larger ones.
 constexpr float kHalfSquareSpacings = 1.0f;
 constexpr int kMaxHalfCells = 12;
+constexpr size_t kUsualPoints = 1 << 19;  // of a view
 
 int half_cells(float spacing_px, float inverse_cell) {
   const int half = static_cast<int>(kHalfSquareSpacings * spacing_px * inverse_cell + 0.5f);
@@ -176,6 +177,19 @@ RangeRaster draw_range_raster(std::span<const ProjectedPoint> points, const Came
   RangeRasterDrawer drawer(camera, cell_px);
   drawer.add(points);
   return std::move(drawer).finish();
+}
+
+PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
+                            double max_distance_m, double cell_px) {
+  PointsInView view;
+  view.points.reserve(std::min(map.num_points(), kUsualPoints));
+  RangeRasterDrawer drawer(planes.camera, cell_px);
+  project_points(map, leaf_spacing, planes, max_distance_m, [&](std::span<const ProjectedPoint> some) {
+    drawer.add(some);
+    view.points.insert(view.points.end(), some.begin(), some.end());
+  });
+  view.raster = std::move(drawer).finish();
+  return view;
 }
 
 void add_mean_ranges(std::span<const ProjectedPoint> points, double depth_m, RangeRaster* raster) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "cpplus/cloud/range_raster.h"
 #include "cpplus/geometry/camera.h"
@@ -23,6 +24,16 @@ class RangeRasterDrawer {
 };
 
 RangeRaster draw_range_raster(std::span<const ProjectedPoint> points, const Camera& camera, double cell_px);
+
+/// The points of a view and what is drawn of them.
+struct PointsInView {
+  std::vector<ProjectedPoint> points;
+  RangeRaster raster;
+};
+
+/// Projects (projected_points.h) and draws them in one go.
+PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
+                            double max_distance_m, double cell_px);
 
 /// Fills mean_range and num_points: the nearest surface lies in front of the middle of its noise, so that points up to
 /// depth_m behind it belong to it.

@@ -18,7 +18,6 @@ constexpr size_t kMinBins = 5;
 // Few points may lie on a line by chance.
 constexpr double kMinScatterPx = 0.3;
 constexpr double kMinRangeScatterM = 0.02;
-constexpr size_t kUsualPoints = 1 << 19;  // of a view
 
 // A straight piece of an outline in the image, before its points are looked at.
 struct Piece {
@@ -227,9 +226,9 @@ class OutlineFit {
 
   std::optional<FittedOutline> run(const std::vector<Piece>& pieces, size_t k, const PointsNearPieces& points) {
     collect(pieces[k], k, points);
-    find_outermost();
     const double margin = pieces[k].margin_px(options_.cell_px);
     const double strip = pieces[k].strip_px();
+    find_outermost(strip);
     outermost_.clear();
     gaps_.clear();
     for (const Bin& bin : bins_) {
@@ -255,13 +254,13 @@ class OutlineFit {
     const double bin_px = piece.length_px / static_cast<double>(num_bins);
     bins_.assign(num_bins, {});
     surface_.clear();
-    strip_px_ = piece.strip_px();
+    const double strip = piece.strip_px();
     const double margin = piece.margin_px(options_.cell_px);
     points.for_each_near(k, [&](const ProjectedPoint& point) {
       const Eigen::Vector2d d = point.pixel.cast<double>() - piece.start;
       const double t = piece.along.dot(d);
       const double v = piece.outward.dot(d);
-      if (t < 0.0 || t >= piece.length_px || v > margin || v < -strip_px_ - margin) return;
+      if (t < 0.0 || t >= piece.length_px || v > margin || v < -strip - margin) return;
       const double range = static_cast<double>(point.range);
       const double near = piece.range_at(t);
       if (std::abs(range - near) > 0.5 * options_.jump.jump_at(near)) return;
@@ -270,14 +269,14 @@ class OutlineFit {
     });
   }
 
-  void find_outermost() {
+  void find_outermost(double strip) {
     for (const SurfacePoint& point : surface_) {
       Bin& bin = bins_[point.bin];
       if (!bin.outermost || point.v > bin.outermost->v) bin.outermost = &point;
     }
     for (const SurfacePoint& point : surface_) {
       Bin& bin = bins_[point.bin];
-      bin.count += point.v > bin.outermost->v - strip_px_;
+      bin.count += point.v > bin.outermost->v - strip;
     }
   }
 
@@ -315,7 +314,6 @@ class OutlineFit {
   }
 
   const SilhouetteOptions& options_;
-  double strip_px_ = 0.0;
   std::vector<SurfacePoint> surface_;
   std::vector<Bin> bins_;
   std::vector<BinPoint> outermost_;
@@ -368,14 +366,8 @@ void SilhouetteOptions::validate() const {
 std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<float>& leaf_spacing,
                                       const PlaneBuffer& planes, const SilhouetteOptions& options) {
   if (!options.enabled) return {};
-  RangeRasterDrawer drawer(planes.camera, options.cell_px);
-  std::vector<ProjectedPoint> points;
-  points.reserve(std::min(map.num_points(), kUsualPoints));
-  project_points(map, leaf_spacing, planes, options.max_distance_m, [&](std::span<const ProjectedPoint> some) {
-    drawer.add(some);
-    points.insert(points.end(), some.begin(), some.end());
-  });
-  return find_silhouettes(points, std::move(drawer).finish(), planes.camera, planes.camera_from_map, options);
+  const PointsInView view = points_in_view(map, leaf_spacing, planes, options.max_distance_m, options.cell_px);
+  return find_silhouettes(view.points, view.raster, planes.camera, planes.camera_from_map, options);
 }
 
 std::vector<MapEdge> find_silhouettes(std::span<const ProjectedPoint> points, const RangeRaster& raster,
