@@ -5,11 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <functional>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <vector>
 
 #include "cpplus/core/for_each_set.h"
+#include "cpplus/core/nth_smallest.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/vector_clones.h"
 #include "cpplus/features/image_gradient.h"
@@ -223,9 +224,8 @@ double least_gradient(const std::vector<CoarseEdge>& edges, double noise, size_t
   if (edges.size() < min_edges) return kStrongGradient;
   std::vector<float> gradients;
   for (const CoarseEdge& edge : edges) gradients.push_back(edge.gradient);
-  const auto at = gradients.begin() + static_cast<long>(min_edges - 1);
-  std::nth_element(gradients.begin(), at, gradients.end(), std::greater<>());
-  return std::max(kNoiseRatio * noise, std::min(kStrongGradient, kStrongRatio * static_cast<double>(*at)));
+  const auto strongest = static_cast<double>(nth_smallest(gradients, gradients.size() - min_edges));
+  return std::max(kNoiseRatio * noise, std::min(kStrongGradient, kStrongRatio * strongest));
 }
 
 std::vector<JudgedEdge> judge_edges(const std::vector<CoarseEdge>& edges, const cv::Mat& fine, double least_gradient) {
@@ -242,23 +242,23 @@ std::vector<JudgedEdge> judge_edges(const std::vector<CoarseEdge>& edges, const 
 double sharpness_around(const std::vector<JudgedEdge>& judged, double direction_rad, size_t min_edges) {
   const auto x = static_cast<float>(std::cos(direction_rad));
   const auto y = static_cast<float>(std::sin(direction_rad));
-  struct Strength {
-    float gradient;
-    float sharpness;
-  };
-  std::vector<Strength> edges;
+  std::vector<float> gradients, sharpnesses;
   for (const JudgedEdge& edge : judged) {
-    if (std::abs(edge.normal_x * x + edge.normal_y * y) >= kMinCosine) edges.push_back({edge.gradient, edge.sharpness});
+    if (std::abs(edge.normal_x * x + edge.normal_y * y) < kMinCosine) continue;
+    gradients.push_back(edge.gradient);
+    sharpnesses.push_back(edge.sharpness);
   }
-  if (edges.size() < min_edges) return 0.0;
-  const auto share = static_cast<size_t>(kStrongestShare * static_cast<double>(edges.size()));
-  const size_t count = std::max(min_edges, share);
-  std::nth_element(edges.begin(), edges.begin() + static_cast<long>(count - 1), edges.end(),
-                   [](const Strength& a, const Strength& b) { return a.gradient > b.gradient; });
-  const auto at = edges.begin() + static_cast<long>(kSharpnessQuantile * static_cast<double>(count - 1));
-  std::nth_element(edges.begin(), at, edges.begin() + static_cast<long>(count),
-                   [](const Strength& a, const Strength& b) { return a.sharpness < b.sharpness; });
-  return at->sharpness;
+  if (gradients.size() < min_edges) return 0.0;
+  const auto share = static_cast<size_t>(kStrongestShare * static_cast<double>(gradients.size()));
+  const float least = nth_smallest(gradients, gradients.size() - std::max(min_edges, share));
+  size_t count = 0;
+  for (size_t i = 0; i < gradients.size(); ++i) {
+    // Written in any case: the next one takes the place of one that is too soft.
+    sharpnesses[count] = sharpnesses[i];
+    count += gradients[i] >= least;
+  }
+  const auto at = static_cast<size_t>(kSharpnessQuantile * static_cast<double>(count - 1));
+  return static_cast<double>(nth_smallest(std::span(sharpnesses).first(count), at));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "cpplus/core/fast_log.h"
@@ -69,52 +68,95 @@ double strong_threshold(const ImageGradient& gradient, const ImageEdgeOptions& o
   return std::min(std::max(histogram.quantile(options.strong_quantile), least), options.max_gradient);
 }
 
-/// log2 of the squared gradient, to less than its own rounding, at (x, y) and its eight neighbours, row by row; a
-/// fourth column fills up the vectors.
-std::array<float, 12> log_gradient_3x3(const ImageGradient& gradient, int x, int y) {
-  std::array<float, 12> f;
-  for (int row = 0; row < 3; ++row) {
-    const size_t first = gradient.index(x - 1, y + row - 1);
-    std::array<int16_t, 4> dx, dy;
-    std::copy_n(&gradient.dx[first], 4, dx.begin());
-    std::copy_n(&gradient.dy[first], 4, dy.begin());
-    for (int column = 0; column < 4; ++column) {
-      const float gx = dx[column];
-      const float gy = dy[column];
-      f[4 * row + column] = fast_log2(gx * gx + gy * gy + 1.0f);
+/// Finds the sub-pixel places of edge pixels, some at a time so that the arithmetic becomes vector instructions.
+class EdgelLocator {
+ public:
+  EdgelLocator(const ImageGradient& gradient, std::vector<ImageEdgel>* edgels)
+      : gradient_(gradient), edgels_(edgels) {}
+
+  /// A pixel that is not at the image's border.
+  void add(int x, int y) {
+    x_[count_] = static_cast<float>(x);
+    y_[count_] = static_cast<float>(y);
+    for (int row = 0; row < 3; ++row) {
+      const size_t first = gradient_.index(x - 1, y + row - 1);
+      for (size_t column = 0; column < 3; ++column) {
+        const size_t k = 3 * static_cast<size_t>(row) + column;
+        dx_[k][count_] = gradient_.dx[first + column];
+        dy_[k][count_] = gradient_.dy[first + column];
+      }
+    }
+    if (++count_ == kBlock) flush();
+  }
+
+  void flush() {
+    take_logarithms();
+    locate();
+    for (size_t i = 0; i < count_; ++i) {
+      if (!is_maximum_[i]) continue;
+      edgels_->push_back({{x_[i], y_[i]}, {normal_x_[i], normal_y_[i]}, gradient_at_[i]});
+    }
+    count_ = 0;
+  }
+
+ private:
+  static constexpr size_t kBlock = 64;
+  static constexpr size_t kCenter = 4;
+  using Floats = std::array<float, kBlock>;
+
+  /// log2 of the squared gradients, to less than their own rounding.
+  CPPLUS_VECTOR_CLONES void take_logarithms() {
+    for (size_t k = 0; k < f_.size(); ++k) {
+      for (size_t i = 0; i < kBlock; ++i) {
+        const float gx = dx_[k][i];
+        const float gy = dy_[k][i];
+        f_[k][i] = fast_log2(gx * gx + gy * gy + 1.0f);
+      }
     }
   }
-  return f;
-}
 
-/// The edgel of an edge pixel; nothing where log |gradient| has no maximum across the edge within one pixel.
-std::optional<ImageEdgel> locate(const ImageGradient& gradient, int x, int y) {
-  const std::array<float, 12> f = log_gradient_3x3(gradient, x, y);
-  // Least-squares quadratic: first and second differences averaged over the three rows or columns.
-  const float left = f[0] + f[4] + f[8];
-  const float right = f[2] + f[6] + f[10];
-  const float above = f[0] + f[1] + f[2];
-  const float below = f[8] + f[9] + f[10];
-  const float fx = (right - left) / 6.0f;
-  const float fy = (below - above) / 6.0f;
-  const float fxx = (left + right - 2.0f * (f[1] + f[5] + f[9])) / 3.0f;
-  const float fyy = (above + below - 2.0f * (f[4] + f[5] + f[6])) / 3.0f;
-  const float fxy = (f[0] + f[10] - f[2] - f[8]) / 4.0f;
+  /// Moves each place to the maximum of log |gradient| across the edge; is_maximum_: there is one within one pixel.
+  CPPLUS_VECTOR_CLONES void locate() {
+    const auto& f = f_;
+    for (size_t i = 0; i < kBlock; ++i) {
+      // Least-squares quadratic: first and second differences averaged over the three rows or columns.
+      const float left = f[0][i] + f[3][i] + f[6][i];
+      const float right = f[2][i] + f[5][i] + f[8][i];
+      const float above = f[0][i] + f[1][i] + f[2][i];
+      const float below = f[6][i] + f[7][i] + f[8][i];
+      const float fx = (right - left) / 6.0f;
+      const float fy = (below - above) / 6.0f;
+      const float fxx = (left + right - 2.0f * (f[1][i] + f[4][i] + f[7][i])) / 3.0f;
+      const float fyy = (above + below - 2.0f * (f[3][i] + f[4][i] + f[5][i])) / 3.0f;
+      const float fxy = (f[0][i] + f[8][i] - f[2][i] - f[6][i]) / 4.0f;
 
-  const size_t center = gradient.index(x, y);
-  const Eigen::Vector2f d(gradient.dx[center], gradient.dy[center]);
-  const float magnitude = d.norm();
-  const Eigen::Vector2f normal = d / magnitude;
-  const float slope = fx * normal.x() + fy * normal.y();
-  const float curvature =
-      fxx * normal.x() * normal.x() + 2.0f * fxy * normal.x() * normal.y() + fyy * normal.y() * normal.y();
-  if (!(curvature < 0.0f) || !(std::abs(slope) <= -curvature)) return std::nullopt;
-  ImageEdgel edgel;
-  edgel.pixel = Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - slope / curvature * normal;
-  edgel.normal = normal;
-  edgel.gradient = magnitude / kGradientGain;
-  return edgel;
-}
+      const float gx = dx_[kCenter][i];
+      const float gy = dy_[kCenter][i];
+      const float magnitude = std::sqrt(gx * gx + gy * gy);
+      const float normal_x = gx / magnitude;
+      const float normal_y = gy / magnitude;
+      const float slope = fx * normal_x + fy * normal_y;
+      const float curvature =
+          fxx * normal_x * normal_x + 2.0f * fxy * normal_x * normal_y + fyy * normal_y * normal_y;
+      is_maximum_[i] = (curvature < 0.0f) & (std::abs(slope) <= -curvature);
+      const float offset = slope / curvature;
+      x_[i] -= offset * normal_x;
+      y_[i] -= offset * normal_y;
+      normal_x_[i] = normal_x;
+      normal_y_[i] = normal_y;
+      gradient_at_[i] = magnitude / kGradientGain;
+    }
+  }
+
+  const ImageGradient& gradient_;
+  std::vector<ImageEdgel>* edgels_;
+  size_t count_ = 0;
+  std::array<std::array<int16_t, kBlock>, 9> dx_{}, dy_{};  // of a pixel and its eight neighbours, row by row
+  std::array<Floats, 9> f_;
+  Floats x_{}, y_{}, normal_x_, normal_y_;
+  Floats gradient_at_;  // grey levels per pixel
+  std::array<uint8_t, kBlock> is_maximum_;
+};
 
 }  // namespace
 
@@ -141,12 +183,14 @@ ImageEdges detect_image_edges(const GrayImage& image, const ImageEdgeOptions& op
   const double strong = strong_threshold(gradient, options) * kGradientGain;
   const EdgeChains chains = find_edge_chains(gradient, options.weak_ratio * strong, strong);
   edges.edgels.reserve(chains.pixels.size());
+  EdgelLocator locator(gradient, &edges.edgels);
   for (const EdgePixel& pixel : chains.pixels) {
     const bool inside =
         pixel.x >= margin && pixel.y >= margin && pixel.x < image.width - margin && pixel.y < image.height - margin;
     if (!inside || chains.sizes[pixel.chain] < static_cast<uint32_t>(options.min_chain_px)) continue;
-    if (const std::optional<ImageEdgel> edgel = locate(gradient, pixel.x, pixel.y)) edges.edgels.push_back(*edgel);
+    locator.add(pixel.x, pixel.y);
   }
+  locator.flush();
   return edges;
 }
 

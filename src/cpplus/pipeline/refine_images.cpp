@@ -204,17 +204,17 @@ ImageReport refine_image(const MapFeatures& features, const std::string& name, c
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                              const GrayImage& image, const RefineImagesOptions& options) {
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
-  auto [points, raster] = points_in_view(features.map, features.leaf_spacing, planes,
-                                         options.silhouettes.max_distance_m, options.silhouettes.cell_px);
-  add_mean_ranges(points, kSurfaceDepthNoises * features.planes.noise_m, &raster);
+  PointsInView points = points_in_view(features.map, features.leaf_spacing, planes, options.silhouettes.max_distance_m,
+                                       options.silhouettes.cell_px);
+  add_mean_ranges(kSurfaceDepthNoises * features.planes.noise_m, &points);
   EdgesInView seen = edges_in_view(
-      features, planes, find_silhouettes(points, raster, camera, camera_from_map, options.silhouettes), options);
-  if (!options.local) drop_hidden_samples(raster, camera, camera_from_map, options.samples, &seen.samples);
+      features, planes, find_silhouettes(points, camera, camera_from_map, options.silhouettes), options);
+  if (!options.local) drop_hidden_samples(points.raster, camera, camera_from_map, options.samples, &seen.samples);
   JointView view;
   view.edges =
       EdgeEvidence(camera, camera_from_map, seen.edges, seen.samples, detect_image_edges(image, options.image_edges),
                    kCandidateRadiusPx, options.refine.max_angle_deg);
-  view.patches = prepare_patch_view(image, planes, raster, options.patches);
+  view.patches = prepare_patch_view(image, planes, points.raster, options.patches);
   view.surface_in_map = seen_surface(planes);
   return view;
 }

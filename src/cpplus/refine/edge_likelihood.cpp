@@ -117,32 +117,43 @@ CPPLUS_VECTOR_CLONES void EdgeLikelihood::set_kernel(double kernel_px) {
   }
 }
 
-CPPLUS_VECTOR_CLONES double EdgeLikelihood::log_ratio(const Vector6d& delta) const {
-  const Eigen::Matrix<float, 6, 1> d = delta.cast<float>();
-  std::array<float, kBlock> sums{};
-  for (size_t begin = 0; begin < size_; begin += kBlock) {
-    std::array<float, kBlock> x, y;
-    std::copy_n(&x_[begin], kBlock, x.begin());
-    std::copy_n(&y_[begin], kBlock, y.begin());
-    for (size_t k = 0; k < 6; ++k) {
-      const float step = d(static_cast<Eigen::Index>(k));
-      const float* slope_x = &jacobian_[k][begin];
-      const float* slope_y = &jacobian_[k + 6][begin];
-      for (size_t i = 0; i < kBlock; ++i) x[i] += step * slope_x[i];
-      for (size_t i = 0; i < kBlock; ++i) y[i] += step * slope_y[i];
-    }
-    std::array<int32_t, kBlock> index;
-    std::array<float, kBlock> rest;  // of the kernel, see bump()
-    for (size_t i = 0; i < kBlock; ++i) index[i] = field_.index_of(x[i], y[i], bin_[begin + i]);
-    for (size_t i = 0; i < kBlock; ++i) rest[i] = field_.distance_at(index[i]);
-    for (size_t i = 0; i < kBlock; ++i) rest[i] = bump_rest(rest[i], inverse_kernel_[begin + i]);
+double EdgeLikelihood::log_ratio(const Vector6d& delta) const { return log_ratios({&delta, 1}).front(); }
+
+std::vector<double> EdgeLikelihood::log_ratios(std::span<const Vector6d> deltas) const {
+  std::vector<Vector6f> steps;
+  for (const Vector6d& delta : deltas) steps.push_back(delta.cast<float>());
+  std::vector<BlockValues> sums(deltas.size(), BlockValues{});
+  // All poses look at one block after the other: what the field holds around it then stays in the processor's cache.
+  for (size_t begin = 0; begin < size_; begin += kBlock) add_block(begin, steps, &sums);
+  std::vector<double> ratios;
+  for (const BlockValues& of_pose : sums) {
+    ratios.push_back(std::numbers::ln2 * static_cast<double>(std::accumulate(of_pose.begin(), of_pose.end(), 0.0f)));
+  }
+  return ratios;
+}
+
+CPPLUS_VECTOR_CLONES void EdgeLikelihood::add_block(size_t begin, const std::vector<Vector6f>& steps,
+                                                    std::vector<BlockValues>* sums) const {
+  for (size_t pose = 0; pose < steps.size(); ++pose) {
+    const Vector6f& step = steps[pose];
+    std::array<int32_t, kBlock> units;
     for (size_t i = 0; i < kBlock; ++i) {
-      const float squared = rest[i] * rest[i];
+      const size_t at = begin + i;
+      float x = x_[at];
+      float y = y_[at];
+      for (size_t k = 0; k < 6; ++k) x += step(static_cast<Eigen::Index>(k)) * jacobian_[k][at];
+      for (size_t k = 0; k < 6; ++k) y += step(static_cast<Eigen::Index>(k)) * jacobian_[k + 6][at];
+      units[i] = field_.index_of(x, y, bin_[at]);
+    }
+    for (size_t i = 0; i < kBlock; ++i) units[i] = field_.units_at(units[i]);
+    BlockValues& sum = (*sums)[pose];
+    for (size_t i = 0; i < kBlock; ++i) {
+      const float rest = bump_rest(field_.to_pixels(units[i]), inverse_kernel_[begin + i]);
+      const float squared = rest * rest;
       const float ratio = squared * squared * inverse_background_[begin + i];
-      sums[i] += weight_[begin + i] * fast_log2(1.0f - kInlierShare + kInlierShare * ratio);
+      sum[i] += weight_[begin + i] * fast_log2(1.0f - kInlierShare + kInlierShare * ratio);
     }
   }
-  return std::numbers::ln2 * static_cast<double>(std::accumulate(sums.begin(), sums.end(), 0.0f));
 }
 
 double EdgeLikelihood::log_ratio_fitted() const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "cpplus/cloud/map_edge.h"
@@ -57,6 +58,8 @@ class EdgeLikelihood {
 
   /// Logarithm of the likelihood ratio at a perturbation (geometry/rigid3.h); 0 = as good as chance.
   double log_ratio(const Vector6d& delta) const;
+  /// Those of many poses, in less time than one by one.
+  std::vector<double> log_ratios(std::span<const Vector6d> deltas) const;
 
   /// The same at the pose itself, with the share of edges that the image shows fitted to it for each kind of edge: a
   /// kind that this map has in vain (intensities that differ from one laser of the LiDAR to the next) then weighs
@@ -68,11 +71,15 @@ class EdgeLikelihood {
  private:
   // Samples are looked at in blocks of so many; the last block is filled up with samples of no weight.
   static constexpr size_t kBlock = 32;
+  using BlockValues = std::array<float, kBlock>;
+  using Vector6f = Eigen::Matrix<float, 6, 1>;
 
   // `share`: for how many samples this one stands.
   void add(const SampleInImage& sample, const MapEdge& edge, float share);
   void fill_up();
   void look_around();
+  // Adds to the sums of each pose what the samples from `begin` on say.
+  void add_block(size_t begin, const std::vector<Vector6f>& steps, std::vector<BlockValues>* sums) const;
 
   const DirectionalDistanceField& field_;
   size_t size_ = 0;

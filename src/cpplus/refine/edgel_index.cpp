@@ -69,6 +69,31 @@ std::vector<int32_t> agreeing_directions(const std::vector<ImageEdgel>& edgels, 
   return bits;
 }
 
+CPPLUS_VECTOR_CLONES void join_three(const uint8_t* __restrict a, const uint8_t* __restrict b,
+                                     const uint8_t* __restrict c, size_t count, uint8_t* __restrict out) {
+  for (size_t i = 0; i < count; ++i) out[i] = a[i] | b[i] | c[i];
+}
+
+// Gives each pixel the bits of its eight neighbours too.
+void join_neighbors(int width, int height, std::vector<uint8_t>* pixels) {
+  const auto columns = static_cast<size_t>(width);
+  std::vector<uint8_t> padded(columns + 2, 0);
+  std::array<std::vector<uint8_t>, 3> joined;  // rows joined along themselves, by turns; nothing beyond the image
+  for (std::vector<uint8_t>& row : joined) row.assign(columns, 0);
+  const auto join_along = [&](int y) {
+    std::vector<uint8_t>& out = joined[static_cast<size_t>(y) % 3];
+    if (y == height) return out.assign(columns, 0);
+    std::copy_n(pixels->begin() + static_cast<std::ptrdiff_t>(y) * width, columns, padded.begin() + 1);
+    join_three(padded.data(), padded.data() + 1, padded.data() + 2, columns, out.data());
+  };
+  if (height > 0) join_along(0);
+  for (int y = 0; y < height; ++y) {
+    join_along(y + 1);
+    join_three(joined[0].data(), joined[1].data(), joined[2].data(), columns,
+               pixels->data() + static_cast<size_t>(y) * columns);
+  }
+}
+
 }  // namespace
 
 EdgelIndex::EdgelIndex(const ImageEdges& edges, double max_angle_deg)
@@ -86,13 +111,9 @@ EdgelIndex::EdgelIndex(const ImageEdges& edges, double max_angle_deg)
     const int y = static_cast<int>(at.y());
     pixel_of[i] = index_of(x, y);
     occupied_[pixel_of[i] / 64] |= uint64_t{1} << (pixel_of[i] % 64);
-    const auto directions = static_cast<uint8_t>(agreeing[i]);
-    for (int v = std::max(0, y - 1); v <= std::min(edges.height - 1, y + 1); ++v) {
-      for (int u = std::max(0, x - 1); u <= std::min(edges.width - 1, x + 1); ++u) {
-        directions_near_[index_of(u, v)] |= directions;
-      }
-    }
+    directions_near_[pixel_of[i]] |= static_cast<uint8_t>(agreeing[i]);
   }
+  join_neighbors(edges.width, edges.height, &directions_near_);
   uint32_t count = 0;
   for (const uint64_t word : occupied_) {
     num_before_.push_back(count);

@@ -82,7 +82,10 @@ class DirectionalDistanceField {
     const float row = std::min(std::max(0.0f, (y + 0.5f) * inverse_cell_ + 1.0f), last_row_);
     return (static_cast<int32_t>(row) * stride_ + static_cast<int32_t>(column)) * kBins + bin;
   }
-  float distance_at(int32_t index) const { return unit_px_ * static_cast<float>(field_[static_cast<size_t>(index)]); }
+  float distance_at(int32_t index) const { return to_pixels(units_at(index)); }
+  /// The second step in two again, of which the latter becomes vector instructions too.
+  int32_t units_at(int32_t index) const { return field_[static_cast<size_t>(index)]; }
+  float to_pixels(int32_t units) const { return unit_px_ * static_cast<float>(units); }
 
   /// The bin of an edge whose normal in the image is (x, y); opposite normals share a bin.
   static int bin_of(const Eigen::Vector2d& normal);

@@ -66,7 +66,10 @@ PoseSearchResult search_pose(const Camera& camera, const PoseGuess& guess, const
       const Hypothesis& parent = elites[random.below(elites.size())];
       poses.push_back({parent.x + draw(spread), 0.0});
     }
-    for (Hypothesis& pose : poses) pose.score = likelihood.log_ratio(root * pose.x) - 0.5 * pose.x.squaredNorm();
+    std::vector<Vector6d> deltas;
+    for (const Hypothesis& pose : poses) deltas.push_back(root * pose.x);
+    const std::vector<double> ratios = likelihood.log_ratios(deltas);
+    for (size_t i = 0; i < poses.size(); ++i) poses[i].score = ratios[i] - 0.5 * poses[i].x.squaredNorm();
     std::stable_sort(poses.begin(), poses.end(),
                      [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
     elites.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(std::min(num_elites, poses.size())));

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "cpplus/geometry/camera.h"
 #include "cpplus/geometry/rigid3.h"
@@ -19,9 +21,15 @@ class PointBlock {
   PointBlock(const Camera& camera, const Rigid3& camera_from_map, const Eigen::Vector3d& origin_in_map);
 
   size_t size() const { return size_; }
+  size_t room() const { return kSize - size_; }
   bool full() const { return size_ == kSize; }
   void clear() { size_ = 0; }
   void add(const Eigen::Vector3f& position) { position_[size_++] = position; }
+  /// At most as many as there is room for.
+  void add(std::span<const Eigen::Vector3f> positions) {
+    std::copy(positions.begin(), positions.end(), position_.begin() + static_cast<std::ptrdiff_t>(size_));
+    size_ += positions.size();
+  }
 
   /// Takes all positions into the camera's frame, then into the image: pixel NaN where the camera sees no point.
   void project();

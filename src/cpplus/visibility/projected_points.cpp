@@ -1,9 +1,12 @@
 #include "cpplus/visibility/projected_points.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "cpplus/cloud/node_range.h"
+#include "cpplus/core/vector_clones.h"
 #include "cpplus/visibility/hidden_ranges.h"
 #include "cpplus/visibility/nodes_in_view.h"
 #include "cpplus/visibility/point_block.h"
@@ -18,36 +21,30 @@ class PointProjector {
   using Visit = std::function<void(std::span<const ProjectedPoint>)>;
 
   PointProjector(const VoxelMap& map, const PlaneBuffer& planes, double max_distance_m, const Visit& visit)
-      : map_(map),
-        camera_(planes.camera),
+      : camera_(planes.camera),
         min_cos_(static_cast<float>(std::cos(planes.camera.max_view_angle()))),
         max_range_(static_cast<float>(max_distance_m)),
         visit_(visit),
         block_(planes.camera, planes.camera_from_map, map.origin()) {}
 
-  void add(uint32_t begin, uint32_t end, float spacing) {
-    for (; begin < end; ++begin) {
-      spacing_[block_.size()] = spacing;
-      block_.add(map_.positions()[begin]);
+  void add(std::span<const Eigen::Vector3f> positions, float spacing) {
+    while (!positions.empty()) {
+      const size_t count = std::min(positions.size(), block_.room());
+      std::fill_n(&spacing_[block_.size()], count, spacing);
+      block_.add(positions.first(count));
+      positions = positions.subspan(count);
       if (block_.full()) flush();
     }
   }
 
   void flush() {
     block_.project();
-    const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
-    const float last_column = static_cast<float>(camera_.width()) - 0.5f;
-    const float last_row = static_cast<float>(camera_.height()) - 0.5f;
+    look_at_block();
     size_t count = 0;
     for (size_t i = 0; i < block_.size(); ++i) {
-      const float range = block_.range(i);
-      const Eigen::Vector2f pixel(block_.column(i), block_.row(i));
-      const bool in_view = (pixel.x() >= -0.5f) & (pixel.y() >= -0.5f) & (pixel.x() < last_column) &
-                           (pixel.y() < last_row) & (range <= max_range_) & (range > kMinRangeM) &
-                           (block_.z(i) >= min_cos_ * range);
       // Written in any case: most are in view, and the next one takes the place of one that is not.
-      points_[count] = {pixel, range, spacing_[i] / range * pixels_per_radian};
-      count += in_view;
+      points_[count] = {{block_.column(i), block_.row(i)}, block_.range(i), spacing_[i]};
+      count += in_view_[i];
     }
     visit_({points_.data(), count});
     block_.clear();
@@ -56,13 +53,28 @@ class PointProjector {
  private:
   static constexpr float kMinRangeM = 1e-3f;
 
-  const VoxelMap& map_;
+  // Which points of the block are in view, and their spacings in pixels for those in metres.
+  CPPLUS_VECTOR_CLONES void look_at_block() {
+    const float pixels_per_radian = static_cast<float>(camera_.pixels_per_radian());
+    const float last_column = static_cast<float>(camera_.width()) - 0.5f;
+    const float last_row = static_cast<float>(camera_.height()) - 0.5f;
+    for (size_t i = 0; i < block_.size(); ++i) {
+      const float range = block_.range(i);
+      const float column = block_.column(i);
+      const float row = block_.row(i);
+      in_view_[i] = (column >= -0.5f) & (row >= -0.5f) & (column < last_column) & (row < last_row) &
+                    (range <= max_range_) & (range > kMinRangeM) & (block_.z(i) >= min_cos_ * range);
+      spacing_[i] = spacing_[i] / range * pixels_per_radian;
+    }
+  }
+
   const Camera& camera_;
   float min_cos_;
   float max_range_;
   const Visit& visit_;
   PointBlock block_;
   std::array<float, PointBlock::kSize> spacing_;
+  std::array<uint8_t, PointBlock::kSize> in_view_;
   std::array<ProjectedPoint, PointBlock::kSize> points_;
 };
 
@@ -76,7 +88,9 @@ void project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
   for (const uint32_t node :
        nodes_in_view(map, layer, planes.camera, planes.camera_from_map, max_distance_m, 0.0, HiddenRanges(planes))) {
     const float spacing = leaf_spacing[leaves_of(map, layer, node).begin];
-    if (std::isfinite(spacing)) projector.add(map.points_begin(layer, node), map.points_end(layer, node), spacing);
+    if (!std::isfinite(spacing)) continue;
+    const uint32_t begin = map.points_begin(layer, node);
+    projector.add(map.positions().subspan(begin, map.points_end(layer, node) - begin), spacing);
   }
   projector.flush();
 }

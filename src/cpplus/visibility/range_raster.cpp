@@ -29,6 +29,18 @@ int half_cells(float spacing_px, float inverse_cell) {
 RangeKey key_of(const ProjectedPoint& point) {
   return range_key(point.range, std::bit_cast<uint32_t>(point.spacing_px));
 }
+
+// Indices of the points' cells in a raster of that size.
+CPPLUS_VECTOR_CLONES void find_cells(const ProjectedPoint* points, size_t count, const RangeRaster& raster, int width,
+                                     int height, uint32_t* cells) {
+  for (size_t i = 0; i < count; ++i) {
+    const Eigen::Vector2i at = raster.cell_of(points[i].pixel);
+    const int x = std::min(std::max(at.x(), 0), width - 1);
+    const int y = std::min(std::max(at.y(), 0), height - 1);
+    cells[i] = static_cast<uint32_t>(y * width + x);
+  }
+}
+
 float spacing_of(RangeKey key) { return std::bit_cast<float>(what_of(key)); }
 
 // Half the width in cells of the square of the point that each cell shows, 0 where it shows none.
@@ -154,12 +166,11 @@ RangeRasterDrawer::RangeRasterDrawer(const Camera& camera, double cell_px)
   raster_.cell_px = cell_px;
 }
 
-void RangeRasterDrawer::add(std::span<const ProjectedPoint> points) {
-  for (const ProjectedPoint& point : points) {
-    const Eigen::Vector2i at = raster_.cell_of(point.pixel);
-    if (!nearest_.contains(at.x(), at.y())) continue;
-    RangeKey& nearest = nearest_.at(at.x(), at.y());
-    nearest = std::min(nearest, key_of(point));
+void RangeRasterDrawer::add(std::span<const ProjectedPoint> points, uint32_t* cells) {
+  find_cells(points.data(), points.size(), raster_, nearest_.width, nearest_.height, cells);
+  for (size_t i = 0; i < points.size(); ++i) {
+    RangeKey& nearest = nearest_.pixels[cells[i]];
+    nearest = std::min(nearest, key_of(points[i]));
   }
 }
 
@@ -173,39 +184,35 @@ RangeRaster RangeRasterDrawer::finish() && {
   return std::move(raster_);
 }
 
-RangeRaster draw_range_raster(std::span<const ProjectedPoint> points, const Camera& camera, double cell_px) {
-  RangeRasterDrawer drawer(camera, cell_px);
-  drawer.add(points);
-  return std::move(drawer).finish();
-}
-
 PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
                             double max_distance_m, double cell_px) {
   PointsInView view;
   view.points.reserve(std::min(map.num_points(), kUsualPoints));
+  view.cells.reserve(view.points.capacity());
   RangeRasterDrawer drawer(planes.camera, cell_px);
   project_points(map, leaf_spacing, planes, max_distance_m, [&](std::span<const ProjectedPoint> some) {
-    drawer.add(some);
     view.points.insert(view.points.end(), some.begin(), some.end());
+    view.cells.resize(view.points.size());
+    drawer.add(some, view.cells.data() + view.cells.size() - some.size());
   });
   view.raster = std::move(drawer).finish();
   return view;
 }
 
-void add_mean_ranges(std::span<const ProjectedPoint> points, double depth_m, RangeRaster* raster) {
-  const int width = raster->range.width;
-  const int height = raster->range.height;
-  raster->mean_range = RangeImage(width, height, 0.0f);
-  raster->num_points = Image<uint16_t>(width, height, 0);
+void add_mean_ranges(double depth_m, PointsInView* view) {
+  RangeRaster& raster = view->raster;
+  raster.mean_range = RangeImage(raster.range.width, raster.range.height, 0.0f);
+  raster.num_points = Image<uint16_t>(raster.range.width, raster.range.height, 0);
   const float depth = static_cast<float>(depth_m);
-  for (const ProjectedPoint& point : points) {
-    const Eigen::Vector2i at = raster->cell_of(point.pixel);
-    const float nearest = raster->range_at(at);
-    if (nearest <= 0.0f || point.range > nearest + depth) continue;
-    uint16_t& count = raster->num_points.at(at.x(), at.y());
+  for (size_t i = 0; i < view->points.size(); ++i) {
+    const uint32_t cell = view->cells[i];
+    const float range = view->points[i].range;
+    const float nearest = raster.range.pixels[cell];
+    if (nearest <= 0.0f || range > nearest + depth) continue;
+    uint16_t& count = raster.num_points.pixels[cell];
     if (count == std::numeric_limits<uint16_t>::max()) continue;
-    float& mean = raster->mean_range.at(at.x(), at.y());
-    mean += (point.range - mean) / static_cast<float>(++count);
+    float& mean = raster.mean_range.pixels[cell];
+    mean += (range - mean) / static_cast<float>(++count);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace cpplus {
 class RangeRasterDrawer {
  public:
   RangeRasterDrawer(const Camera& camera, double cell_px);
-  void add(std::span<const ProjectedPoint> points);
+  /// Points in the image. Index in the raster of the cell of each goes to `cells`.
+  void add(std::span<const ProjectedPoint> points, uint32_t* cells);
   RangeRaster finish() &&;
 
  private:
@@ -23,11 +25,10 @@ class RangeRasterDrawer {
   Image<RangeKey> nearest_;  // point of each cell
 };
 
-RangeRaster draw_range_raster(std::span<const ProjectedPoint> points, const Camera& camera, double cell_px);
-
 /// The points of a view and what is drawn of them.
 struct PointsInView {
   std::vector<ProjectedPoint> points;
+  std::vector<uint32_t> cells;  // of each point the index of its cell in the raster
   RangeRaster raster;
 };
 
@@ -35,8 +36,8 @@ struct PointsInView {
 PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
                             double max_distance_m, double cell_px);
 
-/// Fills mean_range and num_points: the nearest surface lies in front of the middle of its noise, so that points up to
+/// Fills mean_range and num_points of the raster: the nearest surface lies in front of the middle of its noise, so that points up to
 /// depth_m behind it belong to it.
-void add_mean_ranges(std::span<const ProjectedPoint> points, double depth_m, RangeRaster* raster);
+void add_mean_ranges(double depth_m, PointsInView* view);
 
 }  // namespace cpplus

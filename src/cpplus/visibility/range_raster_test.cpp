@@ -73,8 +73,15 @@ RangeImage closed(const std::vector<ProjectedPoint>& points) {
   return result;
 }
 
+RangeRaster draw_range_raster(std::span<const ProjectedPoint> points) {
+  RangeRasterDrawer drawer(camera(), 2.0);
+  std::vector<uint32_t> cells(points.size());
+  drawer.add(points, cells.data());
+  return std::move(drawer).finish();
+}
+
 TEST(DrawRangeRaster, OnePointKeepsItsCell) {
-  const RangeRaster raster = draw_range_raster(std::vector{point_in(20, 10, 5.0f, 3.0f)}, camera(), 2.0);
+  const RangeRaster raster = draw_range_raster(std::vector{point_in(20, 10, 5.0f, 3.0f)});
   ASSERT_EQ(raster.range.width, kWidth);
   ASSERT_EQ(raster.range.height, kHeight);
   for (int y = 0; y < kHeight; ++y) {
@@ -89,7 +96,7 @@ TEST(DrawRangeRaster, OnePointKeepsItsCell) {
 TEST(DrawRangeRaster, AGapOfTwoSpacingsIsClosedAndTheNearerOfTwoIsSeen) {
   const std::vector<ProjectedPoint> points = {point_in(20, 10, 5.0f, 4.0f), point_in(24, 10, 5.1f, 4.0f),
                                               point_in(20, 10, 7.0f, 4.0f)};
-  const RangeRaster raster = draw_range_raster(points, camera(), 2.0);
+  const RangeRaster raster = draw_range_raster(points);
   for (int x = 20; x <= 24; ++x) EXPECT_NEAR(raster.range.at(x, 10), 5.05f, 0.06f) << x;
   EXPECT_EQ(raster.range.at(19, 10), 0.0f);
   EXPECT_EQ(raster.range.at(25, 10), 0.0f);
@@ -104,7 +111,7 @@ TEST(DrawRangeRaster, IsAsTheDefinitionHasIt) {
                                 static_cast<float>(random.uniform(2, 9)),
                                 largest_px * static_cast<float>(random.uniform())));
     }
-    EXPECT_EQ(draw_range_raster(points, camera(), 2.0).range.pixels, closed(points).pixels) << largest_px;
+    EXPECT_EQ(draw_range_raster(points).range.pixels, closed(points).pixels) << largest_px;
   }
 }
 
@@ -117,14 +124,20 @@ TEST(DrawRangeRaster, PointsHandedOverInPartsGiveTheSame) {
   }
   RangeRasterDrawer drawer(camera(), 2.0);
   const std::span<const ProjectedPoint> all(points);
-  drawer.add(all.first(100));
-  drawer.add(all.subspan(100));
+  std::vector<uint32_t> cells(points.size());
+  drawer.add(all.first(100), cells.data());
+  drawer.add(all.subspan(100), cells.data() + 100);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const int column = static_cast<int>(points[i].pixel.x() + 0.5f) / 2;
+    const int row = static_cast<int>(points[i].pixel.y() + 0.5f) / 2;
+    EXPECT_EQ(cells[i], static_cast<uint32_t>(row * kWidth + column)) << i;
+  }
   const RangeRaster raster = std::move(drawer).finish();
-  EXPECT_EQ(raster.range.pixels, draw_range_raster(points, camera(), 2.0).range.pixels);
+  EXPECT_EQ(raster.range.pixels, draw_range_raster(points).range.pixels);
 }
 
 TEST(DrawRangeRaster, NoPointsShowNothing) {
-  for (const float range : draw_range_raster({}, camera(), 2.0).range.pixels) EXPECT_EQ(range, 0.0f);
+  for (const float range : draw_range_raster({}).range.pixels) EXPECT_EQ(range, 0.0f);
 }
 
 }  // namespace

@@ -139,25 +139,25 @@ void add_cells(const RangeRaster& raster, const Piece& piece, std::vector<uint32
 // The projected points in the cells of some pieces, cell by cell.
 class PointsNearPieces {
  public:
-  PointsNearPieces(std::span<const ProjectedPoint> points, const std::vector<Piece>& pieces, const RangeRaster& raster)
-      : slot_(raster.range.width, raster.range.height, kNoSlot) {
+  PointsNearPieces(const PointsInView& view, const std::vector<Piece>& pieces)
+      : slot_(view.raster.range.pixels.size(), kNoSlot) {
     for (const Piece& piece : pieces) {
       pieces_begin_.push_back(cells_.size());
-      add_cells(raster, piece, &cells_);
+      add_cells(view.raster, piece, &cells_);
     }
     pieces_begin_.push_back(cells_.size());
     int32_t num_slots = 0;
     for (const uint32_t cell : cells_) {
-      if (slot_.pixels[cell] == kNoSlot) slot_.pixels[cell] = num_slots++;
+      if (slot_[cell] == kNoSlot) slot_[cell] = num_slots++;
     }
-    sort(points, raster, static_cast<size_t>(num_slots));
+    sort(view, static_cast<size_t>(num_slots));
   }
 
   // Of the k-th piece.
   template <typename Visit>
   void for_each_near(size_t k, const Visit& visit) const {
     for (size_t c = pieces_begin_[k]; c < pieces_begin_[k + 1]; ++c) {
-      const auto slot = static_cast<size_t>(slot_.pixels[cells_[c]]);
+      const auto slot = static_cast<size_t>(slot_[cells_[c]]);
       for (size_t i = first_[slot]; i < first_[slot + 1]; ++i) visit(sorted_[i]);
     }
   }
@@ -165,7 +165,7 @@ class PointsNearPieces {
  private:
   static constexpr int32_t kNoSlot = -1;
 
-  void sort(std::span<const ProjectedPoint> points, const RangeRaster& raster, size_t num_slots) {
+  void sort(const PointsInView& view, size_t num_slots) {
     struct Kept {
       uint32_t slot;
       uint32_t point;
@@ -173,21 +173,21 @@ class PointsNearPieces {
     std::vector<Kept> kept;
     first_.assign(num_slots + 1, 0);
     if (num_slots == 0) return;
-    for (size_t i = 0; i < points.size(); ++i) {
-      const Eigen::Vector2i cell = raster.cell_of(points[i].pixel);
-      if (!slot_.contains(cell.x(), cell.y()) || slot_.at(cell.x(), cell.y()) == kNoSlot) continue;
-      kept.push_back({static_cast<uint32_t>(slot_.at(cell.x(), cell.y())), static_cast<uint32_t>(i)});
+    for (size_t i = 0; i < view.cells.size(); ++i) {
+      const int32_t slot = slot_[view.cells[i]];
+      if (slot == kNoSlot) continue;
+      kept.push_back({static_cast<uint32_t>(slot), static_cast<uint32_t>(i)});
       ++first_[kept.back().slot];
     }
     uint32_t end = 0;
     for (uint32_t& first : first_) first = end += first;
     sorted_.resize(kept.size());
-    for (size_t i = kept.size(); i-- > 0;) sorted_[--first_[kept[i].slot]] = points[kept[i].point];
+    for (size_t i = kept.size(); i-- > 0;) sorted_[--first_[kept[i].slot]] = view.points[kept[i].point];
   }
 
   std::vector<uint32_t> cells_;       // of all pieces
   std::vector<size_t> pieces_begin_;  // in cells_
-  Image<int32_t> slot_;               // of each cell near a piece
+  std::vector<int32_t> slot_;         // of each cell near a piece
   std::vector<uint32_t> first_;       // of a slot's points
   std::vector<ProjectedPoint> sorted_;
 };
@@ -367,16 +367,15 @@ std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<flo
                                       const PlaneBuffer& planes, const SilhouetteOptions& options) {
   if (!options.enabled) return {};
   const PointsInView view = points_in_view(map, leaf_spacing, planes, options.max_distance_m, options.cell_px);
-  return find_silhouettes(view.points, view.raster, planes.camera, planes.camera_from_map, options);
+  return find_silhouettes(view, planes.camera, planes.camera_from_map, options);
 }
 
-std::vector<MapEdge> find_silhouettes(std::span<const ProjectedPoint> points, const RangeRaster& raster,
-                                      const Camera& camera, const Rigid3& camera_from_map,
+std::vector<MapEdge> find_silhouettes(const PointsInView& view, const Camera& camera, const Rigid3& camera_from_map,
                                       const SilhouetteOptions& options) {
   std::vector<MapEdge> edges;
   if (!options.enabled) return edges;
-  const std::vector<Piece> pieces = PieceCutter(raster, options).run();
-  const PointsNearPieces near_points(points, pieces, raster);
+  const std::vector<Piece> pieces = PieceCutter(view.raster, options).run();
+  const PointsNearPieces near_points(view, pieces);
   OutlineFit fit(options);
   for (size_t k = 0; k < pieces.size(); ++k) {
     const auto fitted = fit.run(pieces, k, near_points);

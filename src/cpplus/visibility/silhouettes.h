@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "cpplus/cloud/map_edge.h"
@@ -66,8 +65,7 @@ std::vector<MapEdge> find_silhouettes(const VoxelMap& map, const std::vector<flo
                                       const PlaneBuffer& planes, const SilhouetteOptions& options);
 
 /// The same from points that are projected and drawn already.
-std::vector<MapEdge> find_silhouettes(std::span<const ProjectedPoint> points, const RangeRaster& raster,
-                                      const Camera& camera, const Rigid3& camera_from_map,
+std::vector<MapEdge> find_silhouettes(const PointsInView& view, const Camera& camera, const Rigid3& camera_from_map,
                                       const SilhouetteOptions& options);
 
 }  // namespace cpplus
