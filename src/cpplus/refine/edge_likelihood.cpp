@@ -177,21 +177,28 @@ SampleLikelihood sample_likelihood(MapEdgeKind kind, int edge_samples, double wi
           bump(static_cast<float>(distance(0.0)), inverse_width) / background};
 }
 
-double fitted_log_ratio(const std::vector<SampleLikelihood>& samples) {
-  double sum = 0.0;
-  for (const MapEdgeKind kind :
-       {MapEdgeKind::kCrease, MapEdgeKind::kBoundary, MapEdgeKind::kIntensity, MapEdgeKind::kSilhouette}) {
-    double best = 0.0;  // at share 0
-    for (const float share : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f}) {
-      double of_kind = 0.0;
-      for (const SampleLikelihood& s : samples) {
-        if (s.kind == kind) of_kind += static_cast<double>(s.weight * std::log(1.0f - share + share * s.ratio));
-      }
-      best = std::max(best, of_kind);
-    }
-    sum += best;
+namespace {
+
+constexpr size_t kNumKinds = static_cast<size_t>(MapEdgeKind::kSilhouette) + 1;
+// Shares of edges that an image shows which are tried.
+constexpr size_t kNumShares = 10;
+constexpr std::array<float, kNumShares> kShares = {0.0f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f};
+
+CPPLUS_VECTOR_CLONES void add_log_ratios(const SampleLikelihood& sample, std::array<double, kNumShares>* sums) {
+  for (size_t i = 0; i < kNumShares; ++i) {
+    const float log2_ratio = fast_log2(1.0f - kShares[i] + kShares[i] * sample.ratio);
+    (*sums)[i] += static_cast<double>(sample.weight * log2_ratio);
   }
-  return sum;
+}
+
+}  // namespace
+
+double fitted_log_ratio(const std::vector<SampleLikelihood>& samples) {
+  std::array<std::array<double, kNumShares>, kNumKinds> sums{};
+  for (const SampleLikelihood& sample : samples) add_log_ratios(sample, &sums[static_cast<size_t>(sample.kind)]);
+  double sum = 0.0;
+  for (const auto& of_kind : sums) sum += *std::max_element(of_kind.begin(), of_kind.end());
+  return std::numbers::ln2 * sum;
 }
 
 }  // namespace cpplus
