@@ -99,8 +99,10 @@ void CommandLine::add_flag(CLI::App* command, const OptionField& field) {
   if (const auto* flag = std::get_if<bool*>(&field.value)) {
     const auto store = [this, field](const char* text) { return [=, this] { overrides_.emplace_back(field, text); }; };
     const std::string doc = field.doc + (**flag ? " On; --no-" + name + " turns it off." : "");
-    option = command->add_flag_callback("--" + name, store("true"), doc);
-    command->add_flag_callback("--no-" + name, store("false"))->group("");  // an empty group is not shown in --help
+    // --name=false would be taken and do nothing, were it not refused.
+    option = command->add_flag_callback("--" + name, store("true"), doc)->disable_flag_override();
+    CLI::Option* off = command->add_flag_callback("--no-" + name, store("false"))->disable_flag_override();
+    off->group("");  // an empty group is not shown in --help
   } else {
     const auto store = [this, field](const std::string& text) { overrides_.emplace_back(field, text); };
     option = command->add_option_function<std::string>("--" + name, store, field.doc);

@@ -42,6 +42,7 @@ TEST(CommandLine, WrongUsageIsTwoAndOneLine) {
                                                        {"config", "dump", "--threads", "many"},
                                                        {"config", "dump", "--threads", "-1"},
                                                        {"config", "dump", "--threads"},
+                                                       {"config", "dump", "--quiet=false"},
                                                        {"config", "dump", "--config", "/missing.yaml"}};
   for (const auto& arguments : wrong) {
     const ProcessResult result = run_cpplus(arguments);

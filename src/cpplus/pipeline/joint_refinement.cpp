@@ -83,7 +83,9 @@ class JointRefiner {
     const JointEdgeOptions edges{refine.first_radius_px,
                                  refine.last_radius_px,
                                  refine.loss_scale,
-                                 {refine.image_sigma_px, refine.edge_sigma_px}};
+                                 {refine.image_sigma_px, refine.edge_sigma_px},
+                                 refine.search.last_kernel_px,
+                                 refine.min_log_gain};
     JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
     cameras_ = result.cameras;
     judge(result, surface_supports(problem.matches, result));
@@ -192,13 +194,24 @@ class JointRefiner {
     return supports;
   }
 
+  // Of each camera: do most of its images prove their poses?
+  std::map<uint32_t, bool> proven_cameras(const JointResult& result) const {
+    std::map<uint32_t, int> surplus;
+    for (const size_t i : participants_) surplus[input_.model.images[i].camera_id] += result.poses[i].is_proven ? 1 : -1;
+    std::map<uint32_t, bool> proven;
+    for (const auto& [camera, count] : surplus) proven[camera] = count > 0;
+    return proven;
+  }
+
   void judge(const JointResult& result, const std::vector<int>& surface_supports) {
+    const std::map<uint32_t, bool> proven = proven_cameras(result);
     parallel_for_each(participants_.size(), [&](size_t k) {
       const size_t i = participants_[k];
       const RefinePoseResult alone = reports_[i].refine;
       RefinePoseResult together = judge_joint_pose(camera_of(i),
                                                    {input_.model.images[i].camera_from_map, result.poses[i],
-                                                    &views_[i].edges, views_[i].surface_in_map, surface_supports[i]},
+                                                    &views_[i].edges, views_[i].surface_in_map, surface_supports[i],
+                                                    proven.at(input_.model.images[i].camera_id)},
                                                    alone.held_out_before, options_.refine);
       together.before = alone.before;
       together.iterations = alone.iterations;

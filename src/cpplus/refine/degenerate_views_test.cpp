@@ -10,9 +10,11 @@ namespace cpplus {
 namespace {
 
 using Eigen::Vector3d;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::UnorderedElementsAre;
 
 // Looks along the x axis of the map; camera x is -y of the map, camera y is -z, camera z is x.
@@ -162,8 +164,9 @@ TEST(DegenerateViews, BareCorridor) {
 
 TEST(DegenerateViews, AllEdgesFarAway) {
   const World::Outcome o = far_facade().refine(some_start(), 200.0);
-  EXPECT_THAT(o.result.weak_directions, UnorderedElementsAre(HasSubstr("translation x"), HasSubstr("translation y")));
-  for (Eigen::Index k = 3; k < 5; ++k) EXPECT_NEAR(o.error(k), some_start()(k), 0.02) << k;
+  EXPECT_THAT(o.result.weak_directions, UnorderedElementsAre(HasSubstr("translation x"), HasSubstr("translation y"),
+                                                             HasSubstr("translation z")));
+  for (Eigen::Index k = 3; k < 6; ++k) EXPECT_NEAR(o.error(k), some_start()(k), 0.02) << k;
   EXPECT_LT(o.error.head<3>().norm(), 1.5e-3);
   EXPECT_LT(o.after_px, 0.5);
 }
@@ -196,7 +199,7 @@ TEST(DegenerateViews, RepeatedStructureThatFillsTheView) {
   const World::Outcome o = fence(40).refine(step);
   EXPECT_GT(o.after_px, 15.0);
   EXPECT_LT(o.after_px, 25.0);
-  EXPECT_THAT(o.result.weak_directions, IsEmpty());
+  EXPECT_THAT(o.result.weak_directions, Not(Contains(HasSubstr("translation x"))));
 }
 
 TEST(DegenerateViews, UnitsOfTranslationDoNotChangeTheVerdict) {

@@ -60,6 +60,7 @@ EdgeEvidence::EdgeEvidence(const Camera& camera, const ImagePose& pose, const st
     Sample s;
     s.sample = sample;
     s.covariance = edges[sample.edge].covariance.cast<float>();
+    s.length_m = static_cast<float>(edges[sample.edge].length());
     s.kind = edges[sample.edge].kind;
     s.group = edges[sample.edge].group;
     s.candidates_begin = static_cast<uint32_t>(candidates_.size());
@@ -119,7 +120,7 @@ std::vector<EdgeMatch> EdgeEvidence::match(const Camera& camera, const ImagePose
     m.pixel = best->cast<double>();
     m.normal = projected->normal;
     m.projected = *projected;
-    weigh_match(s.covariance.cast<double>(), static_cast<int>(s.sample.edge_samples), noise.image_sigma_px,
+    weigh_match(s.covariance.cast<double>(), static_cast<double>(s.length_m), s.sample, noise.image_sigma_px,
                 noise.edge_sigma_px, &m);
     matches.push_back(m);
   }

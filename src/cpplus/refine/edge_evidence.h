@@ -57,6 +57,7 @@ class EdgeEvidence {
   struct Sample {
     EdgeSample sample;
     Eigen::Matrix3f covariance;  // of the map edge's position, square metres
+    float length_m = 0.0f;       // of the map edge
     MapEdgeKind kind = MapEdgeKind::kCrease;
     uint32_t group = 0;
     uint32_t candidates_begin = 0;

@@ -18,6 +18,9 @@ struct EdgeMatch {
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // unit, across the projected map edge
   double sigma_px = 1.0;                              // of this residual alone
   double weight = 1.0;                                // < 1: its share of what its edge can know
+  /// Along the edge; standard deviation of how far the point seems to leave the edge, pixels, when it moves by a metre
+  /// along it, since the edge's direction is not known better.
+  Eigen::Vector3d slip_in_map = Eigen::Vector3d::Zero();
   ProjectedSample projected;
 };
 
@@ -25,7 +28,7 @@ struct EdgeMatch {
 int count_edges(const std::vector<EdgeMatch>& matches);
 
 /// Information of the perturbation (geometry/rigid3.h) that the matches hold, each with the weight that Cauchy's loss
-/// of that scale leaves it.
+/// of that scale leaves it, less what errors of the edges' directions feign (direction_errors.h).
 Matrix6d edge_information(const std::vector<EdgeMatch>& matches, double loss_scale);
 
 }  // namespace cpplus

@@ -10,6 +10,7 @@
 #include "cpplus/refine/joint_terms.h"
 #include "cpplus/refine/normal_equations.h"
 #include "cpplus/refine/selected_inverse.h"
+#include "cpplus/refine/unproven_directions.h"
 
 namespace cpplus {
 namespace {
@@ -50,6 +51,7 @@ class JointSolver {
     matches_.resize(poses_.size());
     in_sequence_.resize(poses_.size(), false);
     own_terms_.resize(poses_.size());
+    free_.resize(poses_.size(), PoseDirections(6, 0));
     int column = static_cast<int>(6 * poses_.size());
     for (const auto& [camera, sequence] : problem.sequences) {
       shared_column_[camera] = column;
@@ -63,6 +65,7 @@ class JointSolver {
 
   JointResult run() {
     for (int round = 0; round < options_.rounds; ++round) {
+      if (round > 0) free_unproven_directions();
       match_edges(radius_of(round));
       patch_loss_scale_ = edge_options_.loss_scale * std::pow(kFirstPatchLoss, 1.0 - progress_of(round));
       minimise();
@@ -150,7 +153,25 @@ class JointSolver {
     if (image.observed) {
       return observation_term(*image.observed, image.observed->information / options_.covariance_inflation, pose);
     }
-    return edge_term(matches_[i], state(i, pose), matched_readout_s_.at(image.camera_id), edge_options_.loss_scale);
+    EvidenceTerm term =
+        edge_term(matches_[i], state(i, pose), matched_readout_s_.at(image.camera_id), edge_options_.loss_scale);
+    free_directions(free_[i], prior_sigmas_, &term);
+    return term;
+  }
+
+  void free_unproven_directions() {
+    parallel_for_each(poses_.size(), [&](size_t i) {
+      const EdgeEvidence* edges = problem_.images[i].edges;
+      if (edges == nullptr || !in_sequence_[i]) return;
+      const ImagePose pose = state(i, poses_[i]).pose();
+      const Camera& camera = imaging_.at(problem_.images[i].camera_id).camera();
+      const EdgeEvidence::Selection all = edges->all();
+      free_[i] = unproven_directions(
+          own_terms_[i].h.topLeftCorner<6, 6>(), prior_sigmas_, edge_options_.min_log_gain, [&](const Vector6d& delta) {
+            const ImagePose moved(perturb_camera(pose.camera_from_map, delta), pose.motion);
+            return edges->log_ratio(camera, moved, edge_options_.kernel_px, all);
+          });
+    });
   }
 
   PatchNoise patch_noise() const {
@@ -413,7 +434,8 @@ class JointSolver {
     for (size_t i = 0; i < poses_.size(); ++i) {
       Vector6d motion = Vector6d::Zero();
       if (in_sequence_[i]) motion = state(i, poses_[i]).pose().motion;
-      result.poses.push_back({poses_[i], motion, covariance_block(inverse, i, i), from_others[i]});
+      const bool is_proven = problem_.images[i].edges != nullptr && free_[i].cols() == 0;
+      result.poses.push_back({poses_[i], motion, covariance_block(inverse, i, i), from_others[i], is_proven});
     }
     for (const auto& [camera, sequence] : problem_.sequences) {
       result.shared[camera] = shared_errors(camera, inverse, static_cast<int>(sequence.size()));
@@ -458,6 +480,7 @@ class JointSolver {
   std::vector<char> in_sequence_;  // others have no part; their columns are held by ones on the diagonal
   std::vector<std::vector<EdgeMatch>> matches_;
   std::vector<EvidenceTerm> own_terms_;  // of each image: its edges or its observation
+  std::vector<PoseDirections> free_;     // of each image, of which its edges say nothing
   std::vector<SharedPatches> pairs_;
   std::vector<EvidenceTerm> pair_terms_;
   double patch_loss_scale_ = 1.0;

@@ -49,6 +49,10 @@ struct JointEdgeOptions {
   double last_radius_px = 3.0;
   double loss_scale = 1.5;
   EdgeEvidence::Noise noise;
+  /// Of the likelihood ratios that prove a direction of an image (unproven_directions.h): their kernel, pixels, and by
+  /// how much their logarithm must fall.
+  double kernel_px = 2.5;
+  double min_log_gain = 10.0;
 };
 
 struct JointImage {
@@ -77,6 +81,8 @@ struct JointPose {
   Matrix6d covariance = Matrix6d::Zero();  // of the perturbation in geometry/rigid3.h
   /// What everything but the image's own edges (or observation) says of its pose; not inflated, as these are not.
   PoseGuess from_others;
+  /// Its own edges prove all its directions (unproven_directions.h).
+  bool is_proven = false;
 
   ImagePose image_pose() const { return {camera_from_map, motion}; }
 };
@@ -119,7 +125,8 @@ struct JointResult {
 /// found in other images (surface_match_residual.h), and the priors of e, t and of the drift (drift_model.h). How large
 /// and how smooth that is follows from the data (expectation maximisation), so that errors that are independent from
 /// image to image are found to be so. On demand the readout time of a rolling shutter and the intrinsics are unknowns
-/// of each camera as well (imaging.h). Sparse: cost linear in images.
+/// of each camera as well (imaging.h). What an image's own edges do not prove of its pose (unproven_directions.h) is
+/// left to the others. Sparse: cost linear in images.
 JointResult solve_joint(const JointProblem& problem, const Vector6d& prior_sigmas, const JointEdgeOptions& edges,
                         const JointOptions& options);
 

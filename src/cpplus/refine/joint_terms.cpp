@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cpplus/refine/direction_errors.h"
 #include "cpplus/refine/surface_match_residual.h"
 
 namespace cpplus {
@@ -60,6 +61,8 @@ EvidenceTerm edge_term(const std::vector<EdgeMatch>& matches, const ImageState& 
   EvidenceTerm term(6 + imaging.num_parameters());
   // What the matches do not know yet of the motion over the rows.
   const ImagePose pose(image.camera_from_map, (imaging.readout_s() - matched_readout_s) * image.velocity_per_s);
+  const Eigen::Matrix3d rotation = image.camera_from_map.rotation.toRotationMatrix();
+  DirectionErrors direction_errors;
   EdgeRow j(6 + imaging.num_parameters());
   for (const EdgeMatch& m : matches) {
     Eigen::Vector2d pixel;
@@ -81,7 +84,9 @@ EvidenceTerm edge_term(const std::vector<EdgeMatch>& matches, const ImageState& 
     term.h.noalias() += (weight * j.transpose()).lazyProduct(j);
     term.g += weight * r * j.transpose();
     term.cost += m.weight * cauchy_cost(r * r, loss_scale);
+    direction_errors.add(m, x, rotation, weight);
   }
+  direction_errors.discount(&term.h, &term.g, &term.cost);
   return term;
 }
 

@@ -57,7 +57,10 @@ class JointJudge {
     result.weak_directions = degeneracy.weak_directions;
     max_shift_px_ = options_.max_predicted_shift_px;
     const double unless_known = degeneracy.eigenvalues.minCoeff() >= kKnownByEdges ? 1.0 : kShareUnlessKnown;
-    max_shift_px_ = std::max(max_shift_px_, unless_known * options_.max_predicted_share * shift_from_coarse());
+    // Down a corridor all images are equally lost: a way along it is no gain.
+    if (candidate_.most_are_proven) {
+      max_shift_px_ = std::max(max_shift_px_, unless_known * options_.max_predicted_share * shift_from_coarse());
+    }
     result.covariance = candidate_.pose.covariance;
     result.predicted_shift_px = predicted_shift(result.covariance);
     if (result.weak_directions.empty() && result.predicted_shift_px > options_.max_predicted_shift_px) {

@@ -17,14 +17,17 @@ struct JointCandidate {
   std::vector<Eigen::Vector3d> surface_in_map;  // points that the image sees
   /// Patches of it found in other images, or theirs in it, that fit the solution, minus those that do not.
   int surface_support = 0;
+  /// Most images of its camera prove where they are (JointPose).
+  bool most_are_proven = true;
 };
 
 /// Judges a pose of the joint solve: fills residuals (each sample judged by a pose that the other folds of edges and
 /// the other images give), information, weak directions and the predicted shift. The pose is believed when it is
 /// expected to be off by no more than max_predicted_shift_px, or than max_predicted_share of its way from the coarse
-/// pose (of 0.7 times that where its own edges leave a direction to the others), and its edges agree: if the other
-/// images do not place it already, more than by chance and better than at the coarse pose (`held_out_before`); else
-/// edges and patches together more than by chance. What only the second limit lets pass has a reason, too.
+/// pose (of 0.7 times that where its own edges leave a direction to the others; only if most images of the camera prove
+/// where they are), and its edges agree: if the other images do not place it already, more than by chance and better
+/// than at the coarse pose (`held_out_before`); else edges and patches together more than by chance. What only the
+/// second limit lets pass has a reason, too.
 RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
                                   const EdgeResidual& held_out_before, const RefinePoseOptions& options);
 

@@ -127,11 +127,15 @@ TEST(JointVerdict, WhereItsEdgesLeaveADirectionOpenAnUncertainPoseMustHaveComeFa
     candidate.coarse_camera_from_map = perturb_camera(true_view(), turn);
     return judge(candidate, options).status;
   };
-  // The surface is seen at up to 40 degrees, where a turn moves it farther than on the axis: limits are 2 and 2.9 ways.
-  EXPECT_EQ(verdict(1.2, {}), RefineStatus::kKeptCoarse);
-  EXPECT_EQ(verdict(2.1, {}), RefineStatus::kRefined);
-  EXPECT_EQ(verdict(1.7, sure), RefineStatus::kKeptCoarse);
-  EXPECT_EQ(verdict(3.0, sure), RefineStatus::kRefined);
+  // The surface is seen at up to 40 degrees, where a turn moves it farther than on the axis: limits are 1.3 and 1.9
+  // ways.
+  EXPECT_EQ(verdict(0.8, {}), RefineStatus::kKeptCoarse);
+  EXPECT_EQ(verdict(1.4, {}), RefineStatus::kRefined);
+  EXPECT_EQ(verdict(1.15, sure), RefineStatus::kKeptCoarse);
+  EXPECT_EQ(verdict(2.0, sure), RefineStatus::kRefined);
+  // Where most images do not prove where they are, no way makes up for it.
+  candidate.most_are_proven = false;
+  EXPECT_EQ(verdict(2.0, {}), RefineStatus::kKeptCoarse);
 }
 
 TEST(JointVerdict, AnImageThatSeesNoSurfaceIsRefused) {

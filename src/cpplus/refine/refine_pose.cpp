@@ -1,5 +1,7 @@
 #include "cpplus/refine/refine_pose.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -15,6 +17,7 @@
 #include "cpplus/refine/match_weight.h"
 #include "cpplus/refine/pose_solver.h"
 #include "cpplus/refine/projected_sample.h"
+#include "cpplus/refine/unproven_directions.h"
 
 namespace cpplus {
 namespace {
@@ -59,11 +62,16 @@ class PoseRefiner {
       if (static_cast<int>(matches.size()) < options_.min_samples) break;
       pose = minimise(pose, matches, &result.iterations);
     }
+    NearestEdges nearest = look_up(all_, pose, options_.first_radius_px);
+    const PoseDirections unproven = unproven_directions_at(nearest);
+    if (unproven.cols() > 0) {
+      pose = leave_to_guess(unproven, pose, nearest);
+      nearest = look_up(all_, pose, options_.first_radius_px);
+    }
     result.candidate_camera_from_map = pose;
-    const NearestEdges nearest = look_up(all_, pose, options_.first_radius_px);
     result.after = residual_of(nearest);
     result.held_out_after = cross_validate(pose, nearest);
-    judge(pose, nearest, &result);
+    judge(pose, nearest, unproven, &result);
     return result;
   }
 
@@ -139,8 +147,8 @@ class PoseRefiner {
       m.x_in_map = sample->x_in_map;
       m.edge = sample->edge;
       m.projected = projected;
-      weigh_match(edges_[sample->edge].covariance, static_cast<int>(sample->edge_samples), options_.image_sigma_px,
-                  options_.edge_sigma_px, &m);
+      const MapEdge& edge = edges_[sample->edge];
+      weigh_match(edge.covariance, edge.length(), *sample, options_.image_sigma_px, options_.edge_sigma_px, &m);
       matches.push_back(m);
     }
     return matches;
@@ -150,6 +158,29 @@ class PoseRefiner {
     const PoseSolution solution = solve_pose(camera_, pose, matches, guess_, options_.loss_scale, kMaxPoseIterations);
     *iterations += solution.iterations;
     return solution.camera_from_map;
+  }
+
+  Matrix6d information_of(const std::vector<EdgeMatch>& matches, const PoseDirections& unproven) const {
+    EvidenceTerm term;
+    term.h = edge_information(matches, options_.loss_scale);
+    free_directions(unproven, guess_.sigmas(), &term);
+    return term.h;
+  }
+
+  PoseDirections unproven_directions_at(const NearestEdges& nearest) const {
+    const std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
+    EdgeLikelihood likelihood(nearest.samples, edges_, field_);
+    likelihood.set_kernel(options_.search.last_kernel_px);
+    return unproven_directions(edge_information(matches, options_.loss_scale), guess_.sigmas(), options_.min_log_gain,
+                               [&](const Vector6d& delta) { return likelihood.log_ratio(delta); });
+  }
+
+  // The pose between that of the edges and the guess when the edges say nothing of some directions.
+  Rigid3 leave_to_guess(const PoseDirections& unproven, const Rigid3& pose, const NearestEdges& nearest) const {
+    const Matrix6d information = information_of(matches_of(nearest, options_.last_radius_px), unproven);
+    const Matrix6d of_guess = guess_.covariance.inverse();
+    const Vector6d to_guess = camera_difference(pose, guess_.camera_from_map);
+    return perturb_camera(pose, (information + of_guess).ldlt().solve(of_guess * to_guess));
   }
 
   EdgeResidual residual_of(const NearestEdges& nearest) const {
@@ -183,11 +214,12 @@ class PoseRefiner {
     return residual;
   }
 
-  void judge(const Rigid3& pose, const NearestEdges& nearest, RefinePoseResult* result) const {
+  void judge(const Rigid3& pose, const NearestEdges& nearest, const PoseDirections& unproven,
+             RefinePoseResult* result) const {
     const std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
     result->num_matches = static_cast<int>(matches.size());
     result->num_edges = count_edges(matches);
-    result->information = edge_information(matches, options_.loss_scale);
+    result->information = information_of(matches, unproven);
     const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas());
     result->covariance = degeneracy.covariance;
     result->information_eigenvalues = degeneracy.eigenvalues;

@@ -45,7 +45,7 @@ struct RefinePoseOptions {
   double max_predicted_shift_px = 5.0;
   /// Or by no more than this share of what the pose moved that surface by: it is a better pose than the coarse one all
   /// the same. Of 0.7 times that where a direction is not known by the image's own edges. [0, 1]
-  double max_predicted_share = 0.5;
+  double max_predicted_share = 0.75;
 
   void validate() const;
   template <typename Visitor>
