@@ -71,8 +71,7 @@ double strong_threshold(const ImageGradient& gradient, const ImageEdgeOptions& o
 /// Finds the sub-pixel places of edge pixels, some at a time so that the arithmetic becomes vector instructions.
 class EdgelLocator {
  public:
-  EdgelLocator(const ImageGradient& gradient, std::vector<ImageEdgel>* edgels)
-      : gradient_(gradient), edgels_(edgels) {}
+  EdgelLocator(const ImageGradient& gradient, std::vector<ImageEdgel>* edgels) : gradient_(gradient), edgels_(edgels) {}
 
   /// A pixel that is not at the image's border.
   void add(int x, int y) {
@@ -136,8 +135,7 @@ class EdgelLocator {
       const float normal_x = gx / magnitude;
       const float normal_y = gy / magnitude;
       const float slope = fx * normal_x + fy * normal_y;
-      const float curvature =
-          fxx * normal_x * normal_x + 2.0f * fxy * normal_x * normal_y + fyy * normal_y * normal_y;
+      const float curvature = fxx * normal_x * normal_x + 2.0f * fxy * normal_x * normal_y + fyy * normal_y * normal_y;
       is_maximum_[i] = (curvature < 0.0f) & (std::abs(slope) <= -curvature);
       const float offset = slope / curvature;
       x_[i] -= offset * normal_x;

@@ -197,7 +197,8 @@ class JointRefiner {
   // Of each camera: do most of its images prove their poses?
   std::map<uint32_t, bool> proven_cameras(const JointResult& result) const {
     std::map<uint32_t, int> surplus;
-    for (const size_t i : participants_) surplus[input_.model.images[i].camera_id] += result.poses[i].is_proven ? 1 : -1;
+    for (const size_t i : participants_)
+      surplus[input_.model.images[i].camera_id] += result.poses[i].is_proven ? 1 : -1;
     std::map<uint32_t, bool> proven;
     for (const auto& [camera, count] : surplus) proven[camera] = count > 0;
     return proven;
@@ -208,11 +209,11 @@ class JointRefiner {
     parallel_for_each(participants_.size(), [&](size_t k) {
       const size_t i = participants_[k];
       const RefinePoseResult alone = reports_[i].refine;
-      RefinePoseResult together = judge_joint_pose(camera_of(i),
-                                                   {input_.model.images[i].camera_from_map, result.poses[i],
-                                                    &views_[i].edges, views_[i].surface_in_map, surface_supports[i],
-                                                    proven.at(input_.model.images[i].camera_id)},
-                                                   alone.held_out_before, options_.refine);
+      RefinePoseResult together =
+          judge_joint_pose(camera_of(i),
+                           {input_.model.images[i].camera_from_map, result.poses[i], &views_[i].edges,
+                            views_[i].surface_in_map, surface_supports[i], proven.at(input_.model.images[i].camera_id)},
+                           alone.held_out_before, options_.refine);
       together.before = alone.before;
       together.iterations = alone.iterations;
       ImageReport& report = reports_[i];

@@ -164,8 +164,8 @@ TEST(DegenerateViews, BareCorridor) {
 
 TEST(DegenerateViews, AllEdgesFarAway) {
   const World::Outcome o = far_facade().refine(some_start(), 200.0);
-  EXPECT_THAT(o.result.weak_directions, UnorderedElementsAre(HasSubstr("translation x"), HasSubstr("translation y"),
-                                                             HasSubstr("translation z")));
+  EXPECT_THAT(o.result.weak_directions,
+              UnorderedElementsAre(HasSubstr("translation x"), HasSubstr("translation y"), HasSubstr("translation z")));
   for (Eigen::Index k = 3; k < 6; ++k) EXPECT_NEAR(o.error(k), some_start()(k), 0.02) << k;
   EXPECT_LT(o.error.head<3>().norm(), 1.5e-3);
   EXPECT_LT(o.after_px, 0.5);

@@ -13,7 +13,8 @@ constexpr double kDirectionSigma = 0.01;  // rad
 
 // A point at x_in_camera (the map's frame is the camera's) on an edge along `direction`, whose normal in the image and
 // in space is `normal`, as a pinhole camera sees it.
-EdgeMatch match_at(const Eigen::Vector3d& x_in_camera, const Eigen::Vector3d& direction, const Eigen::Vector2d& normal) {
+EdgeMatch match_at(const Eigen::Vector3d& x_in_camera, const Eigen::Vector3d& direction,
+                   const Eigen::Vector2d& normal) {
   EdgeMatch m;
   m.x_in_map = x_in_camera;
   m.normal = normal;

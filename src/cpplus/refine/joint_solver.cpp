@@ -166,11 +166,11 @@ class JointSolver {
       const ImagePose pose = state(i, poses_[i]).pose();
       const Camera& camera = imaging_.at(problem_.images[i].camera_id).camera();
       const EdgeEvidence::Selection all = edges->all();
-      free_[i] = unproven_directions(
-          own_terms_[i].h.topLeftCorner<6, 6>(), prior_sigmas_, edge_options_.min_log_gain, [&](const Vector6d& delta) {
-            const ImagePose moved(perturb_camera(pose.camera_from_map, delta), pose.motion);
-            return edges->log_ratio(camera, moved, edge_options_.kernel_px, all);
-          });
+      free_[i] = unproven_directions(own_terms_[i].h.topLeftCorner<6, 6>(), prior_sigmas_, edge_options_.min_log_gain,
+                                     [&](const Vector6d& delta) {
+                                       const ImagePose moved(perturb_camera(pose.camera_from_map, delta), pose.motion);
+                                       return edges->log_ratio(camera, moved, edge_options_.kernel_px, all);
+                                     });
     });
   }
 

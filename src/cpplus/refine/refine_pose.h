@@ -75,10 +75,10 @@ enum class RefineStatus { kRefined, kKeptCoarse };
 
 struct RefinePoseResult {
   RefineStatus status = RefineStatus::kKeptCoarse;
-  std::string reason;                            // why the coarse pose was kept, or what is to be known of a refined one
-  Rigid3 camera_from_map;                        // refined, or the coarse one unchanged
-  Rigid3 candidate_camera_from_map;              // the best pose found, accepted or not
-  EdgeResidual before, after;                    // all samples
+  std::string reason;                // why the coarse pose was kept, or what is to be known of a refined one
+  Rigid3 camera_from_map;            // refined, or the coarse one unchanged
+  Rigid3 candidate_camera_from_map;  // the best pose found, accepted or not
+  EdgeResidual before, after;        // all samples
   EdgeResidual held_out_before, held_out_after;  // each sample by a pose that it had no part in
   int num_edges = 0;                             // with at least one match
   int num_samples = 0;

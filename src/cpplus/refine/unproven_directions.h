@@ -14,9 +14,9 @@ using PoseDirections = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 /// The directions of a pose that an image's edges seem to know a little, but no better than chance would have it. Down
 /// a bare corridor a few false edges of the map, and spots on its walls that are taken for them, tell all images the
 /// same wrong place; each image's likelihood is then as high a long way along the corridor. Looked at are the
-/// eigenvectors of the information, in standard deviations of the prior, that are not known well; proven is one when the
-/// logarithm of the likelihood ratio falls by at least min_log_gain towards either side of the pose. log_ratio(delta):
-/// that of a perturbation.
+/// eigenvectors of the information, in standard deviations of the prior, that are not known well; proven is one when
+/// the logarithm of the likelihood ratio falls by at least min_log_gain towards either side of the pose.
+/// log_ratio(delta): that of a perturbation.
 PoseDirections unproven_directions(const Matrix6d& information, const Vector6d& prior_sigmas, double min_log_gain,
                                    const std::function<double(const Vector6d& delta)>& log_ratio);
 

@@ -10,9 +10,7 @@ namespace {
 const Vector6d kPrior = PosePrior().sigmas();
 
 // Information in that of the prior, one number a component.
-Matrix6d information_of(const Vector6d& in_priors) {
-  return in_priors.cwiseQuotient(kPrior.cwiseAbs2()).asDiagonal();
-}
+Matrix6d information_of(const Vector6d& in_priors) { return in_priors.cwiseQuotient(kPrior.cwiseAbs2()).asDiagonal(); }
 
 Vector6d well_known_but(int component, double information) {
   Vector6d in_priors = Vector6d::Constant(1000.0);
