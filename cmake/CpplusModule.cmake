@@ -5,6 +5,8 @@ target_compile_options(cpplus_build_flags INTERFACE -Wall -Wextra -Wpedantic -Ws
 # Nobody asks for errno after a root nor for floating-point exceptions: without them loops with roots and selections
 # become vector instructions. No result differs.
 target_compile_options(cpplus_build_flags INTERFACE -fno-math-errno -fno-trapping-math)
+# What is computed must not depend on which vector instructions a processor has (core/vector_clones.h).
+target_compile_options(cpplus_build_flags INTERFACE -ffp-contract=off)
 # GCC 12 warns of overlapping copies in std::string where there are none (its bug 105329), in large files above all.
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(cpplus_build_flags INTERFACE -Wno-restrict)

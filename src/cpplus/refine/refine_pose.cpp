@@ -169,10 +169,15 @@ class PoseRefiner {
 
   PoseDirections unproven_directions_at(const NearestEdges& nearest) const {
     const std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
-    EdgeLikelihood likelihood(nearest.samples, edges_, field_);
-    likelihood.set_kernel(options_.search.last_kernel_px);
+    std::optional<EdgeLikelihood> likelihood;  // mostly not asked for
     return unproven_directions(edge_information(matches, options_.loss_scale), guess_.sigmas(), options_.min_log_gain,
-                               [&](const Vector6d& delta) { return likelihood.log_ratio(delta); });
+                               [&](const Vector6d& delta) {
+                                 if (!likelihood) {
+                                   likelihood.emplace(nearest.samples, edges_, field_);
+                                   likelihood->set_kernel(options_.search.last_kernel_px);
+                                 }
+                                 return likelihood->log_ratio(delta);
+                               });
   }
 
   // The pose between that of the edges and the guess when the edges say nothing of some directions.

@@ -19,7 +19,7 @@ constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 // hardly any larger ones.
 constexpr float kHalfSquareSpacings = 1.0f;
 constexpr int kMaxHalfCells = 12;
-constexpr size_t kUsualPoints = 1 << 19;  // of a view
+constexpr size_t kMostUsualPoints = 1 << 20;  // of a view; memory that is not written to costs nothing
 
 int half_cells(float spacing_px, float inverse_cell) {
   const int half = static_cast<int>(kHalfSquareSpacings * spacing_px * inverse_cell + 0.5f);
@@ -187,7 +187,7 @@ RangeRaster RangeRasterDrawer::finish() && {
 PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
                             double max_distance_m, double cell_px) {
   PointsInView view;
-  view.points.reserve(std::min(map.num_points(), kUsualPoints));
+  view.points.reserve(std::min(map.num_points(), kMostUsualPoints));
   view.cells.reserve(view.points.capacity());
   RangeRasterDrawer drawer(planes.camera, cell_px);
   project_points(map, leaf_spacing, planes, max_distance_m, [&](std::span<const ProjectedPoint> some) {
