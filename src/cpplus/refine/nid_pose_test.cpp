@@ -17,7 +17,7 @@ namespace {
 constexpr double kLattice = 0.12;  // metres between the random values of the texture
 
 double lattice_value(int i, int j) {
-  return Random(static_cast<uint64_t>(1000003 * (i + 5000) + (j + 5000))).uniform();
+  return Random(uint64_t{1000003} * static_cast<uint64_t>(i + 5000) + static_cast<uint64_t>(j + 5000)).uniform();
 }
 
 // Random values in [0, 1] on a lattice in the plane z = 0, bilinear between them.
