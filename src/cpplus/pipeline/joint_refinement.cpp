@@ -197,8 +197,9 @@ class JointRefiner {
   // Of each camera: do most of its images prove their poses?
   std::map<uint32_t, bool> proven_cameras(const JointResult& result) const {
     std::map<uint32_t, int> surplus;
-    for (const size_t i : participants_)
+    for (const size_t i : participants_) {
       surplus[input_.model.images[i].camera_id] += result.poses[i].is_proven ? 1 : -1;
+    }
     std::map<uint32_t, bool> proven;
     for (const auto& [camera, count] : surplus) proven[camera] = count > 0;
     return proven;

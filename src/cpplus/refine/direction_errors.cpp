@@ -54,9 +54,11 @@ void DirectionErrors::discount(Eigen::MatrixXd* h, Eigen::VectorXd* g, double* c
 }
 
 Matrix6d DirectionErrors::discounted(const Matrix6d& information) const {
-  if (!(information_.trace() > 0.0) || !(information.trace() > 0.0)) return information;
-  const Directions directions(information, information_);
-  return directions.from_unit * directions.trusted.asDiagonal() * directions.from_unit.transpose();
+  Eigen::MatrixXd h = information;
+  Eigen::VectorXd g = Vector6d::Zero();
+  double cost = 0.0;
+  discount(&h, &g, &cost);
+  return h;
 }
 
 }  // namespace cpplus

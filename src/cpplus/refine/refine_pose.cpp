@@ -63,15 +63,19 @@ class PoseRefiner {
       pose = minimise(pose, matches, &result.iterations);
     }
     NearestEdges nearest = look_up(all_, pose, options_.first_radius_px);
-    const PoseDirections unproven = unproven_directions_at(nearest);
+    std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
+    Matrix6d information = edge_information(matches, options_.loss_scale);
+    const PoseDirections unproven = unproven_directions_at(nearest, information);
     if (unproven.cols() > 0) {
-      pose = leave_to_guess(unproven, pose, nearest);
+      pose = leave_to_guess(pose, without(unproven, information));
       nearest = look_up(all_, pose, options_.first_radius_px);
+      matches = matches_of(nearest, options_.last_radius_px);
+      information = without(unproven, edge_information(matches, options_.loss_scale));
     }
     result.candidate_camera_from_map = pose;
     result.after = residual_of(nearest);
     result.held_out_after = cross_validate(pose, nearest);
-    judge(pose, nearest, unproven, &result);
+    judge(pose, matches, information, &result);
     return result;
   }
 
@@ -160,29 +164,26 @@ class PoseRefiner {
     return solution.camera_from_map;
   }
 
-  Matrix6d information_of(const std::vector<EdgeMatch>& matches, const PoseDirections& unproven) const {
+  Matrix6d without(const PoseDirections& directions, const Matrix6d& information) const {
     EvidenceTerm term;
-    term.h = edge_information(matches, options_.loss_scale);
-    free_directions(unproven, guess_.sigmas(), &term);
+    term.h = information;
+    free_directions(directions, guess_.sigmas(), &term);
     return term.h;
   }
 
-  PoseDirections unproven_directions_at(const NearestEdges& nearest) const {
-    const std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
+  PoseDirections unproven_directions_at(const NearestEdges& nearest, const Matrix6d& information) const {
     std::optional<EdgeLikelihood> likelihood;  // mostly not asked for
-    return unproven_directions(edge_information(matches, options_.loss_scale), guess_.sigmas(), options_.min_log_gain,
-                               [&](const Vector6d& delta) {
-                                 if (!likelihood) {
-                                   likelihood.emplace(nearest.samples, edges_, field_);
-                                   likelihood->set_kernel(options_.search.last_kernel_px);
-                                 }
-                                 return likelihood->log_ratio(delta);
-                               });
+    return unproven_directions(information, guess_.sigmas(), options_.min_log_gain, [&](const Vector6d& delta) {
+      if (!likelihood) {
+        likelihood.emplace(nearest.samples, edges_, field_);
+        likelihood->set_kernel(options_.search.last_kernel_px);
+      }
+      return likelihood->log_ratio(delta);
+    });
   }
 
-  // The pose between that of the edges and the guess when the edges say nothing of some directions.
-  Rigid3 leave_to_guess(const PoseDirections& unproven, const Rigid3& pose, const NearestEdges& nearest) const {
-    const Matrix6d information = information_of(matches_of(nearest, options_.last_radius_px), unproven);
+  // The pose between that of the edges, which hold that information, and the guess.
+  Rigid3 leave_to_guess(const Rigid3& pose, const Matrix6d& information) const {
     const Matrix6d of_guess = guess_.covariance.inverse();
     const Vector6d to_guess = camera_difference(pose, guess_.camera_from_map);
     return perturb_camera(pose, (information + of_guess).ldlt().solve(of_guess * to_guess));
@@ -219,12 +220,11 @@ class PoseRefiner {
     return residual;
   }
 
-  void judge(const Rigid3& pose, const NearestEdges& nearest, const PoseDirections& unproven,
+  void judge(const Rigid3& pose, const std::vector<EdgeMatch>& matches, const Matrix6d& information,
              RefinePoseResult* result) const {
-    const std::vector<EdgeMatch> matches = matches_of(nearest, options_.last_radius_px);
     result->num_matches = static_cast<int>(matches.size());
     result->num_edges = count_edges(matches);
-    result->information = information_of(matches, unproven);
+    result->information = information;
     const Degeneracy degeneracy = analyse_information(result->information, guess_.sigmas());
     result->covariance = degeneracy.covariance;
     result->information_eigenvalues = degeneracy.eigenvalues;

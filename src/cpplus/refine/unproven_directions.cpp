@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace cpplus {
@@ -24,47 +25,47 @@ constexpr double kLeastPart = 0.5;
 // Keeps matrices invertible; in information of the prior.
 constexpr double kRidge = 1e-9;
 
-Matrix6d in_priors(const Matrix6d& information, const Vector6d& prior_sigmas) {
-  return prior_sigmas.asDiagonal() * information * prior_sigmas.asDiagonal();
-}
-
-// What they have become with the pose and the information: their parts among the directions that are little known now.
-// Freed as they were, a direction that nothing is known of any more would take what is known beside it along.
-Eigen::MatrixXd still_little_known(const PoseDirections& directions, const Vector6d& prior_sigmas,
-                                   const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(in_priors(information, prior_sigmas));
-  Eigen::MatrixXd found(6, 0);
+// The eigenvectors of the information, unit vectors in standard deviations of the prior, that are not known well and
+// that `is_wanted`; one a column, as perturbations.
+template <typename IsWanted>
+PoseDirections little_known(const Matrix6d& information, const Vector6d& prior_sigmas, const IsWanted& is_wanted) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(
+      Matrix6d(prior_sigmas.asDiagonal() * information * prior_sigmas.asDiagonal()));
+  PoseDirections found(6, 0);
   for (Eigen::Index k = 0; k < 6 && eigen.eigenvalues()(k) < kKnownWell; ++k) {
     const Vector6d axis = eigen.eigenvectors().col(k);
-    const double part = (directions.transpose() * axis.cwiseQuotient(prior_sigmas)).norm();
-    if (part < kLeastPart) continue;
+    if (!is_wanted(axis)) continue;
     found.conservativeResize(6, found.cols() + 1);
     found.rightCols<1>() = prior_sigmas.cwiseProduct(axis);
   }
   return found;
 }
 
+// What they have become with the pose and the information: their parts among the directions that are little known now.
+// Freed as they were, a direction that nothing is known of any more would take what is known beside it along.
+PoseDirections still_little_known(const PoseDirections& directions, const Vector6d& prior_sigmas,
+                                  const Matrix6d& information) {
+  return little_known(information, prior_sigmas, [&](const Vector6d& axis) {
+    return (directions.transpose() * axis.cwiseQuotient(prior_sigmas)).norm() >= kLeastPart;
+  });
+}
+
 }  // namespace
 
 PoseDirections unproven_directions(const Matrix6d& information, const Vector6d& prior_sigmas, double min_log_gain,
                                    const std::function<double(const Vector6d& delta)>& log_ratio) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(in_priors(information, prior_sigmas));
-  PoseDirections unproven(6, 0);
-  for (Eigen::Index k = 0; k < 6 && eigen.eigenvalues()(k) < kKnownWell; ++k) {
-    const Vector6d direction = prior_sigmas.cwiseProduct(eigen.eigenvectors().col(k));
+  return little_known(information, prior_sigmas, [&](const Vector6d& axis) {
+    const Vector6d direction = prior_sigmas.cwiseProduct(axis);
     const auto ratio_at = [&](double sigmas) { return log_ratio(sigmas * direction); };
-    double peak = ratio_at(kNearPeak.front());
+    double peak = -std::numeric_limits<double>::infinity();
     for (const double at : kNearPeak) peak = std::max(peak, ratio_at(at));
-    if (peak - std::max(ratio_at(-kReach), ratio_at(kReach)) >= min_log_gain) continue;
-    unproven.conservativeResize(6, unproven.cols() + 1);
-    unproven.rightCols<1>() = direction;
-  }
-  return unproven;
+    return !(peak - std::max(ratio_at(-kReach), ratio_at(kReach)) >= min_log_gain);
+  });
 }
 
 void free_directions(const PoseDirections& directions, const Vector6d& prior_sigmas, EvidenceTerm* term) {
   if (directions.cols() == 0) return;
-  const Eigen::MatrixXd free = still_little_known(directions, prior_sigmas, term->h.topLeftCorner<6, 6>());
+  const PoseDirections free = still_little_known(directions, prior_sigmas, term->h.topLeftCorner<6, 6>());
   // Information of an unknown move of the map's edges: next to none along the directions.
   Matrix6d move = Matrix6d::Zero();
   move.diagonal() << Eigen::Vector3d::Constant(std::pow(kMapErrorRad, -2)),
