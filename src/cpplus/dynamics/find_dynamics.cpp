@@ -8,6 +8,7 @@
 #include "cpplus/core/memory.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/dynamics/fill_by_scan.h"
 #include "cpplus/dynamics/leaf_surfaces.h"
 #include "cpplus/dynamics/leaf_vote.h"
 #include "cpplus/dynamics/see_through.h"
@@ -30,18 +31,22 @@ void DynamicsOptions::validate() const {
   check_option(plane_distance_m >= 0.0, "plane_distance_m", "[0, inf)", plane_distance_m);
   check_option(min_share >= 0.0 && min_share <= 100.0, "min_share", "[0, 100]", min_share);
   check_option(region_share >= 0.0 && region_share <= 100.0, "region_share", "[0, 100]", region_share);
-  check_option(fill_share > 0.0 && fill_share <= 1.0, "fill_share", "(0, 1]", fill_share);
+  check_option(near_radius_m > 0.0 && std::isfinite(near_radius_m), "near_radius_m", "(0, inf)", near_radius_m);
+  check_option(near_grazing_deg >= 0.0 && near_grazing_deg < 90.0, "near_grazing_deg", "[0, 90)", near_grazing_deg);
+  check_option(near_share > 0.0 && near_share <= 100.0, "near_share", "(0, 100]", near_share);
+  check_option(sure_share > 0.0 && sure_share <= 100.0, "sure_share", "(0, 100]", sure_share);
   check_option(keep_share >= 0.0 && keep_share <= 1.0, "keep_share", "[0, 1]", keep_share);
-  check_option(sure_scans >= 1, "sure_scans", "[1, inf)", sure_scans);
+  check_option(fill_share > 0.0 && fill_share <= 1.0, "fill_share", "(0, 1]", fill_share);
   check_option(min_height_m > 0.0, "min_height_m", "(0, inf)", min_height_m);
 }
 
 DynamicsResult find_dynamics(const VoxelMap& map, const ScanSet& scans, const DynamicsOptions& options) {
   options.validate();
   LeafSurfaces surfaces = measure_leaf_surfaces(map, scans);
-  const std::vector<uint32_t> num_through = count_see_through(map, scans, surfaces, options);
+  const SeeThrough seen = count_see_through(map, scans, surfaces, options);
   free_memory(&surfaces.means);  // the largest of what is not needed any more
-  const std::vector<uint8_t> leaf_labels = vote_on_leaves(map, scans, surfaces, num_through, options);
+  const std::vector<uint8_t> leaf_labels =
+      fill_by_scan(map, scans, surfaces.num_scans, vote_on_leaves(map, scans, surfaces, seen, options), options);
 
   DynamicsResult result;
   result.labels.assign(scans.first_point.back(), 0);

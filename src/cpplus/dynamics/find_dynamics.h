@@ -19,9 +19,9 @@ struct DynamicsOptions {
   /// And this far, metres, above the plane that the point lies on: rays that graze it end earlier. [0, inf)
   double surface_gap_m = 0.1;
   /// Or this share of the range, where the point lies on no plane that is known. [0, 1)
-  double range_gap = 0.04;
+  double range_gap = 0.05;
   /// Rays that meet a plane at less than this angle, degrees, do not see through it. [0, 90)
-  double min_grazing_deg = 5.5;
+  double min_grazing_deg = 8.0;
   /// A scan that hits a plane beside a leaf does not see through the leaf within this distance of the plane, metres;
   /// beside a hit that is on no plane it never does. [0, inf)
   double plane_distance_m = 0.05;
@@ -31,13 +31,20 @@ struct DynamicsOptions {
   /// And at least this share of the scans that hit something off planes around it: what stands there, but has gaps, is
   /// seen through by few of them. [0, inf)
   double region_share = 0.3;
-  /// A leaf that no scan sees through becomes dynamic where this share of the leaves around it is. (0, 1]
-  double fill_share = 0.5;
-  /// A dynamic leaf that fewer than sure_scans see through becomes static where less than this share around it is
-  /// dynamic. [0, 1]
-  double keep_share = 0.25;
-  /// [1, inf)
-  int sure_scans = 2;
+  /// A leaf off planes that one scan alone hits is dynamic, too, when rays of two scans at least pass it this near,
+  /// metres. (0, inf)
+  double near_radius_m = 0.12;
+  /// Such a ray must go on so far that it would have met a surface in the leaf at this angle before, degrees: it is
+  /// none that ends on the ground behind. [0, 90)
+  double near_grazing_deg = 4.0;
+  /// And of this share of the scans that hit something off planes around it. (0, inf)
+  double near_share = 2.0;
+  /// A dynamic leaf that fewer scans see through than this share of those that hit it is not sure. (0, inf)
+  double sure_share = 1.5;
+  /// One that is not sure becomes static where less than this share of the leaves around it is dynamic. [0, 1]
+  double keep_share = 0.5;
+  /// A static leaf becomes dynamic where this share of what its scans hit around it is. (0, 1]
+  double fill_share = 0.25;
   /// Points that stand out so far of the ground beside something dynamic belong to it, metres. (0, inf)
   double min_height_m = 0.05;
 
@@ -60,12 +67,18 @@ struct DynamicsOptions {
             "A leaf is dynamic when a scan sees through it, and at least this share of the scans that hit it.");
     visitor("region_share", region_share,
             "And at least this share of the scans that hit something off planes around it.");
-    visitor("fill_share", fill_share,
-            "A leaf that no scan sees through becomes dynamic where this share of the leaves around it is. (0, 1]");
+    visitor("near_radius_m", near_radius_m,
+            "What one scan alone hits off planes is dynamic, too, when two scans' rays pass it this near, metres.");
+    visitor("near_grazing_deg", near_grazing_deg,
+            "Such a ray goes on so far that it would have met a surface in the leaf at this angle before, degrees.");
+    visitor("near_share", near_share, "And of this share of the scans that hit something off planes around it.");
+    visitor("sure_share", sure_share,
+            "A dynamic leaf that fewer scans see through than this share of those that hit it is not sure.");
     visitor(
         "keep_share", keep_share,
-        "A dynamic leaf that few scans see through becomes static where less than this share around it is dynamic.");
-    visitor("sure_scans", sure_scans, "So many scans that see through a dynamic leaf are not few. [1, inf)");
+        "One that is not sure becomes static where less than this share of the leaves around it is dynamic. [0, 1]");
+    visitor("fill_share", fill_share,
+            "A static leaf becomes dynamic where this share of what its scans hit around it is. (0, 1]");
     visitor("min_height_m", min_height_m,
             "Points that stand out so far of the ground beside something dynamic belong to it, metres.");
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/parallel.h"
@@ -53,10 +54,15 @@ void add_scan(ScanSet* scans, const Vector3d& sensor, const std::vector<Vector3d
   scans->sensors_in_map.push_back(sensor);
 }
 
-uint32_t times_seen_through(const ScanSet& scans, const Vector3d& point) {
+/// Through the leaf of a point, and near it.
+std::pair<uint32_t, uint32_t> times_passed(const ScanSet& scans, const Vector3d& point) {
   const VoxelMap map(scans.points, {});
-  return count_see_through(map, scans, measure_leaf_surfaces(map, scans), {}).at(*map.find_leaf(point));
+  const SeeThrough seen = count_see_through(map, scans, measure_leaf_surfaces(map, scans), {});
+  const uint32_t leaf = *map.find_leaf(point);
+  return {seen.num_through.at(leaf), seen.num_near.at(leaf)};
 }
+
+uint32_t times_seen_through(const ScanSet& scans, const Vector3d& point) { return times_passed(scans, point).first; }
 
 TEST(SeeThrough, TheRayOfAnotherScanCounts) {
   ScanSet scans;
@@ -65,6 +71,24 @@ TEST(SeeThrough, TheRayOfAnotherScanCounts) {
   add_scan(&scans, {0.0, 0.03, 0.03}, {{4.03, 0.03, 0.03}});
   EXPECT_EQ(times_seen_through(scans, near), 1u);
   EXPECT_EQ(times_seen_through(scans, {4.03, 0.03, 0.03}), 0u);
+}
+
+TEST(SeeThrough, RaysBesideWhatOneScanAloneHitsAreNear) {
+  const Vector3d sensor(0.0, 0.03, 0.03);
+  const Vector3d far_point(20.03, 0.03, 0.03);
+  const auto passed_with_ray_to = [&](const Vector3d& end, int num_hits) {
+    ScanSet scans;
+    for (int i = 0; i < num_hits; ++i) add_scan(&scans, sensor, {far_point});
+    add_scan(&scans, sensor, {end});
+    return times_passed(scans, far_point);
+  };
+  EXPECT_EQ(passed_with_ray_to({40.03, 0.18, 0.03}, 1), std::make_pair(0u, 1u)) << "7.5 cm beside it";
+  EXPECT_EQ(passed_with_ray_to({40.03, 0.31, 0.03}, 1), std::make_pair(0u, 0u)) << "14 cm beside it";
+  EXPECT_EQ(passed_with_ray_to({40.03, 0.18, 0.03}, 2), std::make_pair(0u, 0u)) << "two scans hit it";
+  EXPECT_EQ(passed_with_ray_to({40.03, 0.03, 0.03}, 1), std::make_pair(1u, 1u)) << "through it";
+  EXPECT_EQ(passed_with_ray_to({20.5, 0.1, 0.03}, 1), std::make_pair(0u, 0u)) << "it ends shortly behind";
+  EXPECT_EQ(passed_with_ray_to({22.2, 0.03, -0.07}, 1), std::make_pair(0u, 0u)) << "it may end on ground behind";
+  EXPECT_EQ(passed_with_ray_to({24.2, 0.03, -0.08}, 1), std::make_pair(0u, 1u)) << "too far behind for that";
 }
 
 TEST(SeeThrough, CountingStopsWhereItIsSufficient) {
@@ -112,6 +136,25 @@ TEST(FindDynamics, APersonInFrontOfAWallInOneOfTwoScansGoes) {
   EXPECT_GE(share_of(labels, box_of_point, 2, 1), 0.93);
   EXPECT_GE(share_of(labels, box_of_point, 1, 0), 0.999);
   EXPECT_GE(share_of(labels, box_of_point, 0, 0), 0.995);
+}
+
+TEST(FindDynamics, APersonWhomFewBeamsMeetGoes) {
+  // A beam each 0.7 degrees: 41 cm apart at the person, four to six points on him, who walks 60 cm between scans.
+  ScanSet scans;
+  std::vector<size_t> box_of_point;
+  const AlignedBox3d far_wall(Vector3d(45, -12, 0), Vector3d(45.2, 12, 8));
+  BoxScanner scanner;
+  scanner.step_deg = 0.7;
+  scanner.lowest_deg = -10.5;
+  scanner.highest_deg = 10.5;
+  for (int i = 0; i < 24; ++i) {
+    const Vector3d sensor(0.13 * i, -0.21 * i, 1.2);
+    scanner.scan({ground, far_wall, person_at(34.0, -6.0 + 0.6 * i)}, sensor, &scans, &box_of_point);
+  }
+  const std::vector<uint8_t> labels = labels_of(scans);
+  EXPECT_GE(share_of(labels, box_of_point, 2, 1), 0.9);
+  EXPECT_GE(share_of(labels, box_of_point, 1, 0), 0.99);
+  EXPECT_GE(share_of(labels, box_of_point, 0, 0), 0.99);
 }
 
 TEST(FindDynamics, TheSameScanTwiceHasNothingDynamic) {
@@ -176,9 +219,12 @@ TEST(FindDynamics, TakesOptionsInTheirRangeOnly) {
   rejects([](DynamicsOptions* o) { o->min_grazing_deg = 90.0; });
   rejects([](DynamicsOptions* o) { o->plane_distance_m = -0.1; });
   rejects([](DynamicsOptions* o) { o->min_share = -0.1; });
-  rejects([](DynamicsOptions* o) { o->fill_share = 0.0; });
+  rejects([](DynamicsOptions* o) { o->near_radius_m = 0.0; });
+  rejects([](DynamicsOptions* o) { o->near_grazing_deg = 90.0; });
+  rejects([](DynamicsOptions* o) { o->near_share = 0.0; });
+  rejects([](DynamicsOptions* o) { o->sure_share = std::nan(""); });
   rejects([](DynamicsOptions* o) { o->keep_share = 1.1; });
-  rejects([](DynamicsOptions* o) { o->sure_scans = 0; });
+  rejects([](DynamicsOptions* o) { o->fill_share = 0.0; });
 }
 
 /// A simulated scene as a LiDAR that moves sees it, with range noise, mixed pixels and the pose errors of an odometry.

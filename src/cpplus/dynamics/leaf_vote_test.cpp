@@ -52,14 +52,16 @@ struct Hits {
   }
 
   std::vector<uint8_t> vote(const std::vector<uint32_t>& num_through, const DynamicsOptions& options) const {
-    return vote_on_leaves(*map, scans, surfaces, num_through, options);
+    return vote({num_through, std::vector<uint32_t>(num_through.size(), 0)}, options);
+  }
+  std::vector<uint8_t> vote(const SeeThrough& seen, const DynamicsOptions& options) const {
+    return vote_on_leaves(*map, scans, surfaces, seen, options);
   }
 };
 
 DynamicsOptions alone() {
   DynamicsOptions options;
   options.keep_share = 0.0;
-  options.fill_share = 1.0;
   return options;
 }
 
@@ -76,8 +78,18 @@ TEST(LeafVote, ALeafNeedsAShareOfTheScansThatHitSomethingAroundIt) {
   DynamicsOptions options = alone();
   options.region_share = 0.25;
   EXPECT_THAT(Hits({1, 1, 8, 1}, {false, false, false, false}).vote({1, 0, 0, 2}, options), ElementsAre(0, 0, 0, 1));
-  EXPECT_THAT(Hits({1, 1, 8, 1}, {false, false, true, false}).vote({1, 0, 0, 2}, options), ElementsAre(1, 1, 0, 1))
-      << "a plane is no part of what stands or moves there; the second leaf is filled";
+  EXPECT_THAT(Hits({1, 1, 8, 1}, {false, false, true, false}).vote({1, 0, 0, 2}, options), ElementsAre(1, 0, 0, 1))
+      << "a plane is no part of what stands or moves there";
+}
+
+TEST(LeafVote, RaysBesideALeafNeedMoreScans) {
+  DynamicsOptions options = alone();
+  options.near_share = 2.0;
+  const Hits lonely({1, 1, 1, 1}, {false, false, false, false});
+  EXPECT_THAT(lonely.vote({{0, 0, 0, 0}, {1, 2, 0, 7}}, options), ElementsAre(0, 1, 0, 1)) << "one scan is too few";
+  const Hits crowded({1, 1, 3, 1}, {false, false, false, false});
+  EXPECT_THAT(crowded.vote({{0, 0, 0, 0}, {5, 6, 0, 7}}, options), ElementsAre(0, 1, 0, 1))
+      << "three scans hit something there: twice as many must pass";
 }
 
 TEST(RegionHits, CountsScansOnceAndOnlyWhereAskedFor) {
@@ -87,43 +99,33 @@ TEST(RegionHits, CountsScansOnceAndOnlyWhereAskedFor) {
 
 TEST(LeafVote, MoreThanSufficientScansChangeNothing) {
   DynamicsOptions options;
-  options.sure_scans = 2;
+  options.sure_share = 1.5;
   options.min_share = 0.25;
   options.region_share = 0.25;
   EXPECT_EQ(sufficient_scans(1, 8, options), 2u);
-  EXPECT_EQ(sufficient_scans(9, 9, options), 3u);
+  EXPECT_EQ(sufficient_scans(9, 9, options), 14u);
   EXPECT_EQ(sufficient_scans(1, 40, options), 10u) << "all 40 may hit something around it";
   const Hits hits({1, 8, 9, 40}, {false, false, false, false});
-  EXPECT_EQ(hits.vote({10, 10, 10, 9}, options), hits.vote({50, 60, 70, 9}, options));
+  EXPECT_EQ(hits.vote({10, 12, 14, 9}, options), hits.vote({50, 60, 70, 9}, options));
 }
 
-TEST(LeafVote, ALeafAmongDynamicOnesIsFilled) {
+TEST(LeafVote, ALeafThatIsNotSureNeedsOthersAroundIt) {
   const VoxelMap map = row_of_leaves(4);
-  DynamicsOptions options;
-  options.fill_share = 0.6;
-  EXPECT_THAT(vote_with_neighbors(map, {1, 0, 1, 1}, {1, 1, 1, 1}, {5, 0, 5, 5}, options), ElementsAre(1, 1, 1, 1));
-  // One of three around each of the others: too few.
-  EXPECT_THAT(vote_with_neighbors(map, {1, 0, 0, 0}, {1, 1, 1, 1}, {5, 0, 0, 0}, options), ElementsAre(1, 0, 0, 0));
+  EXPECT_THAT(keep_with_neighbors(map, {1, 0, 0, 0}, {0, 0, 0, 0}, 0.5), ElementsAre(0, 0, 0, 0));
+  EXPECT_THAT(keep_with_neighbors(map, {1, 0, 0, 0}, {1, 0, 0, 0}, 0.5), ElementsAre(1, 0, 0, 0));
+  // Two of the three others are dynamic.
+  EXPECT_THAT(keep_with_neighbors(map, {1, 1, 1, 0}, {0, 1, 1, 0}, 0.6), ElementsAre(1, 1, 1, 0));
+  EXPECT_THAT(keep_with_neighbors(map, {1, 1, 1, 0}, {0, 1, 1, 0}, 0.7), ElementsAre(0, 1, 1, 0));
 }
 
-TEST(LeafVote, WhatFarMoreScansHitHasNoSayInFilling) {
-  const VoxelMap map = row_of_leaves(4);
+TEST(LeafVote, SureIsWhatManyScansSeeThrough) {
   DynamicsOptions options;
-  options.fill_share = 0.7;
-  EXPECT_THAT(vote_with_neighbors(map, {1, 0, 1, 0}, {1, 1, 1, 8}, {5, 0, 5, 0}, options), ElementsAre(1, 1, 1, 0))
-      << "the second leaf is filled whatever the fourth is, and the fourth, with two of three, is not";
-  EXPECT_THAT(vote_with_neighbors(map, {1, 0, 0, 0}, {1, 1, 8, 8}, {5, 0, 0, 0}, options), ElementsAre(1, 0, 0, 0))
-      << "one voter is too few";
-}
-
-TEST(LeafVote, ALonelyUnsureLeafIsStatic) {
-  const VoxelMap map = row_of_leaves(4);
-  DynamicsOptions options;
-  options.sure_scans = 2;
-  options.fill_share = 1.0;
-  EXPECT_THAT(vote_with_neighbors(map, {1, 0, 0, 0}, {1, 1, 1, 1}, {1, 0, 0, 0}, options), ElementsAre(0, 0, 0, 0));
-  EXPECT_THAT(vote_with_neighbors(map, {1, 0, 0, 0}, {1, 1, 1, 1}, {2, 0, 0, 0}, options), ElementsAre(1, 0, 0, 0));
-  EXPECT_THAT(vote_with_neighbors(map, {1, 1, 0, 0}, {1, 1, 1, 1}, {1, 2, 0, 0}, options), ElementsAre(1, 1, 0, 0));
+  options.sure_share = 1.5;
+  options.keep_share = 1.0;  // no leaf has dynamic ones alone around it here
+  options.region_share = 0.0;
+  const Hits hits({1, 2, 4, 4}, {false, false, false, false});
+  EXPECT_THAT(hits.vote({1, 3, 5, 0}, options), ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(hits.vote({2, 2, 6, 0}, options), ElementsAre(1, 0, 1, 0));
 }
 
 }  // namespace

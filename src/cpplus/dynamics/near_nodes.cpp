@@ -1,7 +1,9 @@
 #include "cpplus/dynamics/near_nodes.h"
 
+#include <algorithm>
 #include <atomic>
 
+#include "cpplus/cloud/node_range.h"
 #include "cpplus/core/parallel.h"
 
 namespace cpplus {
@@ -23,6 +25,20 @@ std::vector<uint8_t> with_nodes_around(const VoxelMap& map, int layer, const std
     }
   });
   return around;
+}
+
+std::vector<uint8_t> nodes_near_dynamic(const VoxelMap& map, int layer, const std::vector<uint8_t>& leaf_labels) {
+  std::vector<uint8_t> has_dynamic(map.num_nodes(layer));
+  parallel_for_chunks(has_dynamic.size(), kNodesPerTask, [&](size_t begin, size_t end) {
+    for (auto node = static_cast<uint32_t>(begin); node < end; ++node) {
+      const NodeRange leaves = leaves_of(map, layer, node);
+      has_dynamic[node] = std::any_of(leaf_labels.begin() + leaves.begin, leaf_labels.begin() + leaves.end,
+                                      [](uint8_t label) { return label != 0; })
+                              ? 1
+                              : 0;
+    }
+  });
+  return with_nodes_around(map, layer, has_dynamic);
 }
 
 }  // namespace cpplus

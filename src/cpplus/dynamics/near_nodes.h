@@ -10,4 +10,7 @@ namespace cpplus {
 /// The marked nodes of a layer and the existing ones among the 26 around each; both by node, 0 or 1.
 std::vector<uint8_t> with_nodes_around(const VoxelMap& map, int layer, const std::vector<uint8_t>& marked);
 
+/// The nodes of a layer that have dynamic leaves (label 1) in them, and those around them; by node, 0 or 1.
+std::vector<uint8_t> nodes_near_dynamic(const VoxelMap& map, int layer, const std::vector<uint8_t>& leaf_labels);
+
 }  // namespace cpplus

@@ -29,9 +29,7 @@ class StandingPoints {
 
   // The voxels above the leaves that hold dynamic ones or lie beside such.
   std::vector<uint32_t> nodes_to_look_at() const {
-    std::vector<uint8_t> marked(map_.num_nodes(layer_));
-    for (uint32_t node = 0; node < marked.size(); ++node) marked[node] = has_dynamic(node) ? 1 : 0;
-    const std::vector<uint8_t> is_near = with_nodes_around(map_, layer_, marked);
+    const std::vector<uint8_t> is_near = nodes_near_dynamic(map_, layer_, leaf_labels_);
     std::vector<uint32_t> nodes;
     for (uint32_t node = 0; node < is_near.size(); ++node) {
       if (is_near[node] != 0) nodes.push_back(node);
@@ -50,12 +48,6 @@ class StandingPoints {
   }
 
  private:
-  bool has_dynamic(uint32_t node) const {
-    const NodeRange leaves = leaves_of(map_, layer_, node);
-    return std::find(leaf_labels_.begin() + leaves.begin, leaf_labels_.begin() + leaves.end, 1) !=
-           leaf_labels_.begin() + leaves.end;
-  }
-
   size_t label_in_leaf(uint32_t leaf, const std::vector<uint32_t>& visitors) const {
     if (!is_hit_by(leaf, visitors)) return 0;
     const std::optional<SurfacePatch> surface = surface_without(leaf, visitors);
