@@ -40,6 +40,18 @@ void add_view_to_root(const VoxelMap& map, const SurfaceNormals& normals, uint32
   }
 }
 
+void add_view(const VoxelMap& map, const SurfaceNormals& normals, const ColorView& view,
+              const std::vector<Eigen::Vector3f>& bearings, const ViewSamplingOptions& options, ColorSamples* samples) {
+  const ViewSampler sampler(view, bearings, options);
+  const TangentBox box = tangent_box(view.camera);
+  const Eigen::Vector3d axis_in_map = view.camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const std::vector<uint32_t> roots = map.roots_in_frustum(camera_center(view.camera_from_map), axis_in_map,
+                                                           view.camera.max_view_angle(), options.max_distance_m);
+  parallel_for_each(roots.size(), [&](size_t k) {
+    add_view_to_root(map, normals, roots[k], view.camera_from_map, box, sampler, view.index, samples);
+  });
+}
+
 std::vector<Rgb> gray_of_points(const PointCloud& cloud, const GrayScale& grays) {
   std::vector<Rgb> colors(cloud.size(), grays.gray());
   for (size_t i = 0; i < cloud.intensities.size(); ++i) colors[i] = grays.gray(cloud.intensities[i]);
@@ -67,16 +79,18 @@ ColorSamples collect_color_samples(const VoxelMap& map, const NextColorView& nex
   const SurfaceNormals normals = estimate_surface_normals(map, options.normal_voxel_m);
   ColorSamples samples(map.num_points(), options.max_samples);
   CellBearings bearings;
-  while (const std::optional<ColorView> view = next_view()) {
-    const ViewSampler sampler(*view, bearings.of(view->depth), options.sampling);
-    const TangentBox box = tangent_box(view->camera);
-    const Eigen::Vector3d axis_in_map = view->camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    const std::vector<uint32_t> roots =
-        map.roots_in_frustum(camera_center(view->camera_from_map), axis_in_map, view->camera.max_view_angle(),
-                             options.sampling.max_distance_m);
-    parallel_for_each(roots.size(), [&](size_t k) {
-      add_view_to_root(map, normals, roots[k], view->camera_from_map, box, sampler, view->index, &samples);
+  std::optional<ColorView> view = next_view();
+  while (view) {
+    // One thread reads the next view (its image is decoded and its depth drawn) while others look at this one.
+    std::optional<ColorView> following;
+    parallel_for_each(2, [&](size_t task) {
+      if (task == 0) {
+        following = next_view();
+      } else {
+        add_view(map, normals, *view, bearings.of(view->depth), options.sampling, &samples);
+      }
     });
+    view = std::move(following);
   }
   return samples;
 }

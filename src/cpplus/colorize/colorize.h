@@ -40,7 +40,8 @@ struct ColorizeOptions {
   }
 };
 
-/// Yields the views one after the other, in the order of their indices, then nothing. Only one is held at a time.
+/// Yields the views one after the other, in the order of their indices, then nothing. One is looked at while the next one
+/// is asked for, maybe by another thread, and no more are held.
 using NextColorView = std::function<std::optional<ColorView>()>;
 
 /// What was found out about an image that gave colours.

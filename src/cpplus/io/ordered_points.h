@@ -28,7 +28,7 @@ class OrderedPoints {
   CloudStream finish(const Eigen::Vector3d& origin, const std::optional<LasFrame>& las_frame);
 
  private:
-  PointCloud block_in_order(size_t b) const;
+  PointCloud in_order(size_t block_number, const PointBucket& points) const;
   [[noreturn]] void fail() const;
 
   std::string map_;
