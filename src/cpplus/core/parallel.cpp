@@ -31,6 +31,13 @@ int num_threads() {
   return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
+struct SingleThread::Limit {
+  tbb::global_control control{tbb::global_control::max_allowed_parallelism, 1};
+};
+
+SingleThread::SingleThread() : limit_(std::make_unique<Limit>()) {}
+SingleThread::~SingleThread() = default;
+
 void parallel_for_chunks(size_t size, size_t grain, const std::function<void(size_t, size_t)>& body) {
   if (size == 0) return;
   grain = std::max<size_t>(1, grain);

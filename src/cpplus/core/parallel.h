@@ -2,12 +2,26 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace cpplus {
 
 /// Sets how many threads parallel_for may use from now on; 0 means all cores.
 void set_num_threads(int num_threads);
 int num_threads();
+
+/// While one lives, what the process does in TBB's threads is done by one: for libraries whose results depend on it.
+class SingleThread {
+ public:
+  SingleThread();
+  ~SingleThread();
+  SingleThread(const SingleThread&) = delete;
+  SingleThread& operator=(const SingleThread&) = delete;
+
+ private:
+  struct Limit;
+  std::unique_ptr<Limit> limit_;
+};
 
 /// Calls body(begin, end) for consecutive chunks of [0, size) of at most `grain` elements. The chunk borders depend
 /// only on size and grain, never on the number of threads: a result kept per chunk and combined in chunk order is

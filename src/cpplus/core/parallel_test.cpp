@@ -40,6 +40,15 @@ TEST_F(Parallel, ChunksByHand) {
   EXPECT_TRUE(chunks_of(0, 4).empty());
 }
 
+TEST_F(Parallel, ASingleThreadIsOneForAsLongAsItLives) {
+  set_num_threads(3);
+  {
+    const SingleThread single;
+    EXPECT_EQ(num_threads(), 1);
+  }
+  EXPECT_EQ(num_threads(), 3);
+}
+
 TEST_F(Parallel, GrainZeroMeansOne) { EXPECT_EQ(chunks_of(5, 0).size(), 5u); }
 
 TEST_F(Parallel, EachIndexOnce) {

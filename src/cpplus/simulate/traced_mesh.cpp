@@ -3,12 +3,14 @@
 #include <embree3/rtcore.h>
 
 #include "cpplus/core/error.h"
+#include "cpplus/core/parallel.h"
 
 namespace cpplus {
 namespace {
 
 struct Device {
-  RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+  // Without "threads": that would set a limit for all of TBB, the program's own loops included.
+  RTCDevice device = rtcNewDevice("set_affinity=0");
   ~Device() { rtcReleaseDevice(device); }
 };
 
@@ -29,6 +31,7 @@ RTCScene build_embree_scene(RTCDevice device, const Mesh& mesh) {
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
+  const SingleThread same_tree_each_time;
   rtcCommitScene(scene);
   return scene;
 }

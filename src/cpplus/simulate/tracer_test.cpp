@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "cpplus/core/parallel.h"
 #include "cpplus/simulate/test_scene.h"
 
 namespace cpplus {
@@ -27,6 +28,14 @@ TEST(Tracer, RangeToAKnownWallIsExact) {
   EXPECT_NEAR(wall->range, 3.0f * std::sqrt(2.0f), 1e-5f);
   EXPECT_TRUE(wall->normal.isApprox(Vector3f(-1, 0, 0), 1e-6f));
   EXPECT_FALSE(tracer.trace_static(Vector3f::Zero(), -Vector3f::UnitX()).has_value());
+}
+
+TEST(Tracer, LeavesTheProgramItsThreads) {
+  set_num_threads(3);
+  const Scene scene = wall_and_square();
+  const Tracer tracer(scene);
+  EXPECT_EQ(num_threads(), 3);
+  set_num_threads(0);
 }
 
 TEST(Tracer, PartsMakeUpOneScene) {
