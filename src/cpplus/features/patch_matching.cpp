@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "cpplus/core/vector_clones.h"
+
 namespace cpplus {
 namespace {
 
@@ -82,6 +84,39 @@ bool normalise(std::vector<float>* values) {
   const float inverse = 1.0f / std::sqrt(squares);
   for (float& v : *values) v *= inverse;
   return true;
+}
+
+constexpr int kLanes = 16;
+
+// Sums over the squares of edge x edge values that begin at each value, by rows of the same width; the last edge - 1 of
+// a row and the last edge - 1 rows have none. `of_rows` has room for all values.
+CPPLUS_VECTOR_CLONES
+void box_sums(const float* values, int width, int height, int edge, float* of_rows, float* sums) {
+  const int num_rows = height - edge + 1;
+  std::fill_n(of_rows, width * height, 0.0f);
+  std::fill_n(sums, width * num_rows, 0.0f);
+  for (int y = 0; y < height; ++y) {
+    for (int k = 0; k < edge; ++k) {
+      for (int x = 0; x < width - edge + 1; ++x) of_rows[y * width + x] += values[y * width + x + k];
+    }
+  }
+  for (int k = 0; k < edge; ++k) {
+    for (int i = 0; i < width * num_rows; ++i) sums[i] += of_rows[k * width + i];
+  }
+}
+
+// Products of the template with the kLanes patches of a row, the first of which begins at `pixels`.
+CPPLUS_VECTOR_CLONES
+void multiply_some(const float* pixels, int width, const float* values, int edge, float* products) {
+  std::array<float, kLanes> product{};
+  for (int y = 0; y < edge; ++y) {
+    for (int x = 0; x < edge; ++x) {
+      const float* v = pixels + y * width + x;
+      const float t = values[y * edge + x];
+      for (size_t k = 0; k < kLanes; ++k) product[k] += t * v[k];
+    }
+  }
+  std::copy(product.begin(), product.end(), products);
 }
 
 std::optional<Eigen::Vector3d> on_plane(const PlaneBuffer& view, const MapPlane& plane, const Eigen::Vector2d& pixel) {
@@ -174,24 +209,43 @@ class Matcher {
     return normalise(&template_);
   }
 
-  // Correlation of the template with the patch of b around a whole pixel; -1 outside.
+  // Of the template with the patches of b around the whole pixels of a square, by rows; -1 where a patch is not all in
+  // the image.
   template <typename Pixel>
-  float correlate(const Image<Pixel>& image, int cx, int cy) const {
+  void correlate(const Image<Pixel>& image, int left, int top, int edge) {
     const int r = options_.radius_px;
-    if (cx < r || cy < r || cx + r >= image.width || cy + r >= image.height) return -1.0f;
-    float product = 0.0f, sum = 0.0f, squares = 0.0f;
-    const float* t = template_.data();
-    for (int y = cy - r; y <= cy + r; ++y, t += edge_) {
-      const Pixel* row = &image.at(cx - r, y);
-      for (int x = 0; x < edge_; ++x) {
-        const float value = row[x];
-        product += t[x] * value;
-        sum += value;
-        squares += value * value;
+    // The pixels under all these patches, those outside of the image as 0, and room for whole vectors.
+    const int width = edge + edge_ - 1 + kLanes;
+    const int height = edge + edge_ - 1;
+    region_.assign(static_cast<size_t>(width) * static_cast<size_t>(height), 0.0f);
+    const int first = std::max(left - r, 0), last = std::min(left + edge + r, image.width);
+    for (int y = std::max(top - r, 0); y < std::min(top + edge + r, image.height); ++y) {
+      float* row = region_.data() + (y - (top - r)) * width - (left - r);
+      for (int x = first; x < last; ++x) row[x] = image.at(x, y);
+    }
+    squared_.resize(region_.size());
+    std::transform(region_.begin(), region_.end(), squared_.begin(), [](float v) { return v * v; });
+    for (std::vector<float>* values : {&sums_of_rows_, &sums_, &sums_of_squares_}) values->resize(region_.size());
+    box_sums(region_.data(), width, height, edge_, sums_of_rows_.data(), sums_.data());
+    box_sums(squared_.data(), width, height, edge_, sums_of_rows_.data(), sums_of_squares_.data());
+
+    scores_.assign(static_cast<size_t>(edge) * static_cast<size_t>(edge), -1.0f);
+    const int first_inside = std::max(left, r), last_inside = std::min(left + edge, image.width - r);
+    for (int y = std::max(top, r); y < std::min(top + edge, image.height - r); ++y) {
+      for (int x = first_inside; x < last_inside; x += kLanes) {
+        const int at = (y - top) * width + (x - left);
+        std::array<float, kLanes> products;
+        multiply_some(region_.data() + at, width, template_.data(), edge_, products.data());
+        for (int k = 0; k < std::min(kLanes, last_inside - x); ++k) {
+          const float sum = sums_[static_cast<size_t>(at + k)];
+          const float variance =
+              sums_of_squares_[static_cast<size_t>(at + k)] - sum * sum / static_cast<float>(edge_ * edge_);
+          if (variance < 1.0f) continue;
+          scores_[static_cast<size_t>((y - top) * edge + x - left + k)] =
+              products[static_cast<size_t>(k)] / std::sqrt(variance);
+        }
       }
     }
-    const float variance = squares - sum * sum / static_cast<float>(edge_ * edge_);
-    return variance < 1.0f ? -1.0f : product / std::sqrt(variance);
   }
 
   bool search(int level, int reach, bool must_be_distinct, Eigen::Vector2d* pixel) {
@@ -199,14 +253,7 @@ class Matcher {
     const int cx = static_cast<int>(std::lround(center.x()));
     const int cy = static_cast<int>(std::lround(center.y()));
     const int edge = 2 * reach + 1;
-    scores_.assign(static_cast<size_t>(edge) * static_cast<size_t>(edge), -1.0f);
-    with_level(b_, level, [&](const auto& image) {
-      for (int y = 0; y < edge; ++y) {
-        for (int x = 0; x < edge; ++x) {
-          scores_[static_cast<size_t>(y * edge + x)] = correlate(image, cx + x - reach, cy + y - reach);
-        }
-      }
-    });
+    with_level(b_, level, [&](const auto& image) { correlate(image, cx - reach, cy - reach, edge); });
     const auto best = std::max_element(scores_.begin(), scores_.end());
     constexpr float kMinCoarseCorrelation = 0.6f;
     if (*best < kMinCoarseCorrelation) return false;
@@ -233,28 +280,10 @@ class Matcher {
   // Gauss-Newton on the difference of the normalised patches, as a shift in b.
   bool settle(const Eigen::Vector2d& pixel_a, const Eigen::Matrix2d& a_from_b, Eigen::Vector2d* pixel) {
     if (!make_template(pixel_a, a_from_b, 0)) return false;
-    const GrayImage& image = b_.image;
-    const int r = options_.radius_px;
     const Eigen::Vector2d start = *pixel;
     std::vector<float> values, slope_x, slope_y;
     for (int iteration = 0; iteration < 8; ++iteration) {
-      values.clear();
-      slope_x.clear();
-      slope_y.clear();
-      for (int y = -r; y <= r; ++y) {
-        for (int x = -r; x <= r; ++x) {
-          float v = 0, left = 0, right = 0, above = 0, below = 0;
-          const double px = pixel->x() + x, py = pixel->y() + y;
-          if (!interpolate(image, px, py, &v) || !interpolate(image, px - 1, py, &left) ||
-              !interpolate(image, px + 1, py, &right) || !interpolate(image, px, py - 1, &above) ||
-              !interpolate(image, px, py + 1, &below)) {
-            return false;
-          }
-          values.push_back(v);
-          slope_x.push_back(0.5f * (right - left));
-          slope_y.push_back(0.5f * (below - above));
-        }
-      }
+      if (!sample(*pixel, &values, &slope_x, &slope_y)) return false;
       const Eigen::Vector2d step = shift_of(&values, slope_x, slope_y);
       if (!step.allFinite()) return false;
       *pixel += step;
@@ -262,6 +291,34 @@ class Matcher {
       if (step.norm() < 0.01) return correlation_ >= options_.min_correlation;
     }
     return false;
+  }
+
+  // The patch of b around a place, and its slopes; false where it reaches out of the image.
+  bool sample(const Eigen::Vector2d& pixel, std::vector<float>* values, std::vector<float>* slope_x,
+              std::vector<float>* slope_y) {
+    const int r = options_.radius_px;
+    const int width = edge_ + 2;
+    region_.resize(static_cast<size_t>(width) * static_cast<size_t>(width));
+    const auto at = [&](int x, int y) -> float& {
+      return region_[static_cast<size_t>((y + r + 1) * width + x + r + 1)];
+    };
+    for (int y = -r - 1; y <= r + 1; ++y) {
+      const int reach = std::abs(y) <= r ? r + 1 : r;  // the corners have no part in slopes
+      for (int x = -reach; x <= reach; ++x) {
+        if (!interpolate(b_.image, pixel.x() + x, pixel.y() + y, &at(x, y))) return false;
+      }
+    }
+    values->clear();
+    slope_x->clear();
+    slope_y->clear();
+    for (int y = -r; y <= r; ++y) {
+      for (int x = -r; x <= r; ++x) {
+        values->push_back(at(x, y));
+        slope_x->push_back(0.5f * (at(x + 1, y) - at(x - 1, y)));
+        slope_y->push_back(0.5f * (at(x, y + 1) - at(x, y - 1)));
+      }
+    }
+    return true;
   }
 
   // Least squares of  template - normalised values  in the shift; sets correlation_ of the values as they are.
@@ -291,6 +348,7 @@ class Matcher {
   const PatchMatchingOptions& options_;
   const int edge_;
   std::vector<float> template_;
+  std::vector<float> region_, squared_, sums_of_rows_, sums_, sums_of_squares_;
   std::vector<float> scores_;
   double correlation_ = 0.0;
 };

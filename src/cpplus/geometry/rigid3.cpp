@@ -3,6 +3,19 @@
 #include <cmath>
 
 namespace cpplus {
+namespace {
+
+/// That of so3_exp(): solvers ask for one a match.
+Eigen::Quaterniond quaternion_exp(const Eigen::Vector3d& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  const double sine_per_angle = angle < 1e-12 ? 0.5 : std::sin(0.5 * angle) / angle;
+  Eigen::Quaterniond q;
+  q.w() = std::cos(0.5 * angle);
+  q.vec() = sine_per_angle * rotation_vector;
+  return q;
+}
+
+}  // namespace
 
 Rigid3 inverse(const Rigid3& b_from_a) {
   const Eigen::Quaterniond a_from_b = b_from_a.rotation.conjugate();
@@ -34,8 +47,8 @@ Eigen::Vector3d so3_log(const Eigen::Quaterniond& rotation) {
 }
 
 Rigid3 perturb_camera(const Rigid3& camera_from_map, const Vector6d& delta) {
-  const Rigid3 camera_from_perturbed{Eigen::Quaterniond(so3_exp(delta.head<3>())), delta.tail<3>()};
-  return inverse(camera_from_perturbed) * camera_from_map;
+  const Eigen::Quaterniond turned_back = quaternion_exp(-delta.head<3>());
+  return {turned_back * camera_from_map.rotation, turned_back * (camera_from_map.translation - delta.tail<3>())};
 }
 
 Vector6d camera_difference(const Rigid3& from_camera_from_map, const Rigid3& to_camera_from_map) {
