@@ -64,10 +64,32 @@ try {
   await page.evaluate(() => { window.cpplusViewer.cloud.detail = 7; });  // fewer points: there may be no graphics card
   await settled();
   const overview = await shot('view');
-  assert.ok((await page.evaluate(() => window.cpplusViewer.cloud.numDrawn)) > 1000);
+  const numAtRest = await page.evaluate(() => window.cpplusViewer.cloud.numDrawn);
+  assert.ok(numAtRest > 1000);
   assert.ok((await drawnShare(overview)) > 0.1, `share of the overview that is drawn: ${await drawnShare(overview)}`);
   const colored = await shareOfPixels(page, overview, (r, g, b) => Math.max(r, g, b) - Math.min(r, g, b) > 25);
   assert.ok(colored > 0.005, `coloured share of the overview: ${colored}`);
+
+  // Slow frames of a movement are drawn coarser, and all points are back at rest.
+  const numMoving = await page.evaluate(() => new Promise((done) => {
+    const { stage, cloud } = window.cpplusViewer;
+    let frames = 0;
+    const step = () => {
+      const start = performance.now();
+      while (performance.now() - start < 100);  // a frame that takes long, also where there is a graphics card
+      stage.camera.position.sub(stage.controls.target).applyAxisAngle(stage.up, frames % 2 ? 0.05 : -0.05).add(stage.controls.target);
+      stage.invalidate();
+      frames += 1;
+      if (frames === 24) done(cloud.numDrawn);
+      else requestAnimationFrame(step);
+    };
+    step();
+  }));
+  assert.ok(numMoving < 0.5 * numAtRest, `points while it moves: ${numMoving}, at rest: ${numAtRest}`);
+  await page.waitForFunction((count) => {
+    window.cpplusViewer.stage.invalidate();
+    return window.cpplusViewer.cloud.numDrawn === count;
+  }, numAtRest, { polling: 100 });
 
   // A click on a camera.
   const index = await page.evaluate(() => {

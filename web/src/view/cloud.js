@@ -1,12 +1,13 @@
 import { TilesRenderer } from '3d-tiles-renderer/three';
 import { Box3, Raycaster, Vector2, Vector3 } from 'three';
+import { makePace } from './pace.js';
 
 /** The tiles of the cloud: levels of detail come and go with the view. */
 export function makeCloud(stage) {
   const tiles = new TilesRenderer(new URL('tileset.json', document.baseURI).href);
-  const state = { pointSize: 2 };
+  const state = { pointSize: 2, detail: 2.5 };
+  const pace = makePace(stage);
   const loaded = new Set();
-  tiles.errorTarget = 2.5;
   tiles.lruCache.minSize = 400;
   tiles.lruCache.maxSize = 1200;
   tiles.setCamera(stage.camera);
@@ -64,11 +65,13 @@ export function makeCloud(stage) {
       });
       return count;
     },
-    get isLoading() { return tiles.stats.downloading + tiles.stats.parsing > 0 || tiles.root === null; },
+    /** Whether more will be seen of this view. */
+    get isLoading() { return pace.isCoarser || tiles.stats.downloading + tiles.stats.parsing > 0 || tiles.root === null; },
     set pointSize(size) { state.pointSize = size; loaded.forEach(style); },
-    set detail(px) { tiles.errorTarget = px; stage.invalidate(); },
+    set detail(px) { state.detail = px; stage.invalidate(); },
     set shown(on) { tiles.group.visible = on; },
     update() {
+      tiles.errorTarget = state.detail * pace.coarser();
       tiles.setResolutionFromRenderer(stage.camera, stage.renderer);
       tiles.update();
     },
