@@ -47,7 +47,7 @@ try {
     const { cloud, stage } = window.cpplusViewer;
     stage.invalidate();
     window.quietLooks = cloud.isLoading ? 0 : (window.quietLooks ?? 0) + 1;
-    return window.quietLooks > 12;
+    return window.quietLooks > 5;
   }, null, { polling: 200 });
   result.whole_picture_s = seconds(opened);
   result.points_drawn = await page.evaluate(() => window.cpplusViewer.cloud.numDrawn);

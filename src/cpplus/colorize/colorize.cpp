@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cpplus/cloud/node_range.h"
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/colorize/cell_bearings.h"
 #include "cpplus/colorize/robust_color.h"
 #include "cpplus/colorize/surface_normals.h"
@@ -44,9 +45,7 @@ void add_view(const VoxelMap& map, const SurfaceNormals& normals, const ColorVie
               const std::vector<Eigen::Vector3f>& bearings, const ViewSamplingOptions& options, ColorSamples* samples) {
   const ViewSampler sampler(view, bearings, options);
   const TangentBox box = tangent_box(view.camera);
-  const Eigen::Vector3d axis_in_map = view.camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  const std::vector<uint32_t> roots = map.roots_in_frustum(camera_center(view.camera_from_map), axis_in_map,
-                                                           view.camera.max_view_angle(), options.max_distance_m);
+  const std::vector<uint32_t> roots = select_roots(map, view.camera, view.camera_from_map, options.max_distance_m);
   parallel_for_each(roots.size(), [&](size_t k) {
     add_view_to_root(map, normals, roots[k], view.camera_from_map, box, sampler, view.index, samples);
   });

@@ -7,6 +7,9 @@
 
 namespace cpplus {
 
+/// Whether one of the leaves in a node of a layer is marked; `marked` by leaf, 0 or 1.
+bool has_marked_leaf(const VoxelMap& map, int layer, uint32_t node, const std::vector<uint8_t>& marked);
+
 /// The marked nodes of a layer and the existing ones among the 26 around each; both by node, 0 or 1.
 std::vector<uint8_t> with_nodes_around(const VoxelMap& map, int layer, const std::vector<uint8_t>& marked);
 

@@ -4,6 +4,7 @@
 
 #include "cpplus/cloud/node_range.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/dynamics/near_nodes.h"
 #include "cpplus/dynamics/scan_hits.h"
 
 namespace cpplus {
@@ -57,11 +58,7 @@ std::vector<uint32_t> count_region_hits(const VoxelMap& map, const ScanSet& scan
     std::vector<uint32_t> neighbors;
     for (auto node = static_cast<uint32_t>(begin); node < end; ++node) {
       const NodeRange leaves = leaves_of(map, layer, node);
-      const auto is_any = [&](const std::vector<uint8_t>& is) {
-        return std::any_of(is.begin() + leaves.begin, is.begin() + leaves.end,
-                           [](uint8_t value) { return value != 0; });
-      };
-      if (!is_any(is_candidate)) continue;
+      if (!has_marked_leaf(map, layer, node, is_candidate)) continue;
       around.clear();
       around.add_leaves_off_planes(leaves);
       map.neighbors(layer, node, false, &neighbors);

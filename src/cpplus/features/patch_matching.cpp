@@ -88,23 +88,6 @@ bool normalise(std::vector<float>* values) {
 
 constexpr int kLanes = 16;
 
-// Sums over the squares of edge x edge values that begin at each value, by rows of the same width; the last edge - 1 of
-// a row and the last edge - 1 rows have none. `of_rows` has room for all values.
-CPPLUS_VECTOR_CLONES
-void box_sums(const float* values, int width, int height, int edge, float* of_rows, float* sums) {
-  const int num_rows = height - edge + 1;
-  std::fill_n(of_rows, width * height, 0.0f);
-  std::fill_n(sums, width * num_rows, 0.0f);
-  for (int y = 0; y < height; ++y) {
-    for (int k = 0; k < edge; ++k) {
-      for (int x = 0; x < width - edge + 1; ++x) of_rows[y * width + x] += values[y * width + x + k];
-    }
-  }
-  for (int k = 0; k < edge; ++k) {
-    for (int i = 0; i < width * num_rows; ++i) sums[i] += of_rows[k * width + i];
-  }
-}
-
 // Products of the template with the kLanes patches of a row, the first of which begins at `pixels`.
 CPPLUS_VECTOR_CLONES
 void multiply_some(const float* pixels, int width, const float* values, int edge, float* products) {
@@ -223,11 +206,14 @@ class Matcher {
       float* row = region_.data() + (y - (top - r)) * width - (left - r);
       for (int x = first; x < last; ++x) row[x] = image.at(x, y);
     }
-    squared_.resize(region_.size());
-    std::transform(region_.begin(), region_.end(), squared_.begin(), [](float v) { return v * v; });
-    for (std::vector<float>* values : {&sums_of_rows_, &sums_, &sums_of_squares_}) values->resize(region_.size());
-    box_sums(region_.data(), width, height, edge_, sums_of_rows_.data(), sums_.data());
-    box_sums(squared_.data(), width, height, edge_, sums_of_rows_.data(), sums_of_squares_.data());
+    sums_.resize(region_.size());
+    sums_of_squares_.resize(region_.size());
+    const cv::Mat region(height, width, CV_32F, region_.data());
+    cv::Mat sums(height, width, CV_32F, sums_.data()), sums_of_squares(height, width, CV_32F, sums_of_squares_.data());
+    const cv::Size box(edge_, edge_);
+    const cv::Point first_corner(0, 0);
+    cv::boxFilter(region, sums, CV_32F, box, first_corner, false, cv::BORDER_CONSTANT);
+    cv::sqrBoxFilter(region, sums_of_squares, CV_32F, box, first_corner, false, cv::BORDER_CONSTANT);
 
     scores_.assign(static_cast<size_t>(edge) * static_cast<size_t>(edge), -1.0f);
     const int first_inside = std::max(left, r), last_inside = std::min(left + edge, image.width - r);
@@ -348,7 +334,7 @@ class Matcher {
   const PatchMatchingOptions& options_;
   const int edge_;
   std::vector<float> template_;
-  std::vector<float> region_, squared_, sums_of_rows_, sums_, sums_of_squares_;
+  std::vector<float> region_, sums_, sums_of_squares_;
   std::vector<float> scores_;
   double correlation_ = 0.0;
 };

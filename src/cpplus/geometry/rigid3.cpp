@@ -5,7 +5,7 @@
 namespace cpplus {
 namespace {
 
-/// That of so3_exp(): solvers ask for one a match.
+/// Of the rotation vector (axis times angle, rad).
 Eigen::Quaterniond quaternion_exp(const Eigen::Vector3d& rotation_vector) {
   const double angle = rotation_vector.norm();
   const double sine_per_angle = angle < 1e-12 ? 0.5 : std::sin(0.5 * angle) / angle;
@@ -27,14 +27,7 @@ Rigid3 operator*(const Rigid3& c_from_b, const Rigid3& b_from_a) {
 }
 
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& rotation_vector) {
-  const double angle = rotation_vector.norm();
-  if (angle < 1e-12) {
-    Eigen::Matrix3d small;
-    small << 1, -rotation_vector.z(), rotation_vector.y(), rotation_vector.z(), 1, -rotation_vector.x(),
-        -rotation_vector.y(), rotation_vector.x(), 1;
-    return small;
-  }
-  return Eigen::AngleAxisd(angle, rotation_vector / angle).toRotationMatrix();
+  return quaternion_exp(rotation_vector).toRotationMatrix();
 }
 
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& rotation) {

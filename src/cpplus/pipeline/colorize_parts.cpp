@@ -9,6 +9,7 @@
 
 #include "cpplus/cloud/map_part.h"
 #include "cpplus/cloud/map_tiles.h"
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/error.h"
 #include "cpplus/core/log.h"
 #include "cpplus/core/memory.h"
@@ -28,11 +29,9 @@ std::vector<std::vector<size_t>> images_by_part(const VoxelMap& map, const std::
   std::vector<std::vector<size_t>> by_part(parts.size());
   for (size_t i = 0; i < images.indices.size(); ++i) {
     const PosedImage& image = images.model.images[images.indices[i]];
-    const Eigen::Vector3d axis_in_map = image.camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     std::set<uint32_t> looked_at;
     for (const uint32_t root :
-         map.roots_in_frustum(camera_center(image.camera_from_map), axis_in_map,
-                              images.model.cameras.at(image.camera_id).max_view_angle(), max_distance_m)) {
+         select_roots(map, images.model.cameras.at(image.camera_id), image.camera_from_map, max_distance_m)) {
       looked_at.insert(part_of_root[root]);
     }
     if (looked_at.empty()) looked_at.insert(0);

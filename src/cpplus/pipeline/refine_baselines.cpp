@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/stopwatch.h"
 #include "cpplus/pipeline/nothing_hidden.h"
 #include "cpplus/visibility/depth_buffer.h"
@@ -39,7 +40,7 @@ std::vector<NidPoint> visible_points(const VoxelMap& map, const std::vector<floa
   buffer_options.max_distance_m = options.max_distance_m;
   const DepthBuffer buffer = render_depth_buffer(map, camera, camera_from_map, buffer_options);
   std::vector<NidPoint> seen;
-  for (const uint32_t root : select_roots(map, camera, camera_from_map, options.max_distance_m, 0.0)) {
+  for (const uint32_t root : select_roots(map, camera, camera_from_map, options.max_distance_m)) {
     for (uint32_t i = map.points_begin(0, root); i < map.points_end(0, root); ++i) {
       const float intensity = intensities[i];
       const Eigen::Vector3d x_in_camera = camera_from_map * map.point(i);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/error.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/core/stopwatch.h"
@@ -24,9 +25,7 @@ constexpr int kSurfacePoints = 16;
 constexpr double kReachMarginM = 8.0;
 
 bool sees_map(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map, double max_distance_m) {
-  const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  return !features.map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), max_distance_m)
-              .empty();
+  return !select_roots(features.map, camera, camera_from_map, max_distance_m).empty();
 }
 
 // What hides what as seen from a pose; in a local map nothing does.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "cpplus/cloud/node_range.h"
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/options.h"
 #include "cpplus/core/parallel.h"
 
@@ -217,9 +218,7 @@ SurfaceView render_surface(const VoxelMap& map, const MapDiscs& discs, const Cam
                            const Image<Eigen::Vector3f>& bearings, const Rigid3& camera_from_map,
                            const SurfaceViewOptions& options) {
   options.validate();
-  const Eigen::Vector3d axis_in_map = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  const std::vector<uint32_t> roots = map.roots_in_frustum(camera_center(camera_from_map), axis_in_map,
-                                                           camera.max_view_angle(), options.max_distance_m);
+  const std::vector<uint32_t> roots = select_roots(map, camera, camera_from_map, options.max_distance_m);
   std::vector<std::vector<Disc>> discs_of_roots(roots.size());
   const DiscProjector projector(map, discs, camera, camera_from_map, options);
   parallel_for_each(roots.size(), [&](size_t k) { projector.add_root(roots[k], &discs_of_roots[k]); });

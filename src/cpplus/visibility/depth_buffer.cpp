@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/options.h"
 #include "cpplus/visibility/extended_surfaces.h"
 
@@ -201,13 +202,6 @@ void DepthBufferOptions::validate() const {
   check_option(margin_px >= 0, "margin_px", "[0, inf)", margin_px);
   check_option(min_occluder_extent >= 0 && min_occluder_extent <= 1, "min_occluder_extent", "[0, 1]",
                min_occluder_extent);
-}
-
-std::vector<uint32_t> select_roots(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
-                                   double max_distance_m, double widening) {
-  const Eigen::Vector3d axis_in_map = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  const double half_angle = std::min(camera.max_view_angle() + widening, M_PI);
-  return map.roots_in_frustum(camera_center(camera_from_map), axis_in_map, half_angle, max_distance_m);
 }
 
 std::vector<ProjectedLeaf> project_leaves(const VoxelMap& map, const std::vector<uint32_t>& roots, const Camera& camera,

@@ -63,8 +63,4 @@ DepthBuffer render_depth_buffer(const std::vector<ProjectedLeaf>& leaves, double
 DepthBuffer render_depth_buffer(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
                                 const DepthBufferOptions& options);
 
-/// Roots within max_distance_m of the camera that may meet its field of view, widened by `widening` rad; ascending.
-std::vector<uint32_t> select_roots(const VoxelMap& map, const Camera& camera, const Rigid3& camera_from_map,
-                                   double max_distance_m, double widening);
-
 }  // namespace cpplus

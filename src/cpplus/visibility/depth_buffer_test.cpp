@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/error.h"
 #include "cpplus/visibility/extended_surfaces.h"
 #include "cpplus/visibility/scene_test_util.h"

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/geometry/tangent_box.h"
 
 namespace cpplus {
@@ -34,9 +35,7 @@ class Descent {
         max_distance_m_(static_cast<float>(max_distance_m)),
         margin_m_(static_cast<float>(margin_m)),
         hidden_(hidden) {
-    const Eigen::Vector3d axis = camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    for (const uint32_t root :
-         map.roots_in_frustum(camera_center(camera_from_map), axis, camera.max_view_angle(), max_distance_m)) {
+    for (const uint32_t root : select_roots(map, camera, camera_from_map, max_distance_m)) {
       nodes_.add(root, (camera_from_map * map.center(0, root)).cast<float>());
     }
   }

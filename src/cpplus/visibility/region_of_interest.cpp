@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "cpplus/cloud/select_roots.h"
 #include "cpplus/core/error.h"
 #include "cpplus/core/options.h"
 #include "cpplus/visibility/hidden_point_removal.h"
