@@ -194,35 +194,49 @@ class JointRefiner {
     return supports;
   }
 
-  // Of each camera: do most of its images prove their poses?
-  std::map<uint32_t, bool> proven_cameras(const JointResult& result) const {
+  // Does that hold for most images of a camera? holds(i)
+  template <typename Holds>
+  std::map<uint32_t, bool> cameras_with_most(const Holds& holds) const {
     std::map<uint32_t, int> surplus;
-    for (const size_t i : participants_) {
-      surplus[input_.model.images[i].camera_id] += result.poses[i].is_proven ? 1 : -1;
-    }
-    std::map<uint32_t, bool> proven;
-    for (const auto& [camera, count] : surplus) proven[camera] = count > 0;
-    return proven;
+    for (const size_t i : participants_) surplus[input_.model.images[i].camera_id] += holds(i) ? 1 : -1;
+    std::map<uint32_t, bool> most;
+    for (const auto& [camera, count] : surplus) most[camera] = count > 0;
+    return most;
   }
 
   void judge(const JointResult& result, const std::vector<int>& surface_supports) {
-    const std::map<uint32_t, bool> proven = proven_cameras(result);
+    const std::map<uint32_t, bool> proven = cameras_with_most([&](size_t i) { return result.poses[i].is_proven; });
+    const auto candidate = [&](size_t i) {
+      return JointCandidate{input_.model.images[i].camera_from_map,
+                            result.poses[i],
+                            &views_[i].edges,
+                            views_[i].surface_in_map,
+                            surface_supports[i],
+                            proven.at(input_.model.images[i].camera_id)};
+    };
     parallel_for_each(participants_.size(), [&](size_t k) {
       const size_t i = participants_[k];
       const RefinePoseResult alone = reports_[i].refine;
-      RefinePoseResult together =
-          judge_joint_pose(camera_of(i),
-                           {input_.model.images[i].camera_from_map, result.poses[i], &views_[i].edges,
-                            views_[i].surface_in_map, surface_supports[i], proven.at(input_.model.images[i].camera_id)},
-                           alone.held_out_before, options_.refine);
+      RefinePoseResult together = judge_joint_pose(camera_of(i), candidate(i), alone.held_out_before, options_.refine);
       together.before = alone.before;
       together.iterations = alone.iterations;
-      ImageReport& report = reports_[i];
-      report.refine = together;
-      report.camera_from_map = together.camera_from_map;
-      report.status = together.status == RefineStatus::kRefined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse;
-      report.reason = together.reason;
+      report(together, &reports_[i]);
     });
+    const std::map<uint32_t, bool> believed =
+        cameras_with_most([&](size_t i) { return reports_[i].status == ImageStatus::kRefined; });
+    parallel_for_each(participants_.size(), [&](size_t k) {
+      const size_t i = participants_[k];
+      RefinePoseResult together = reports_[i].refine;
+      if (together.status == RefineStatus::kRefined || !believed.at(input_.model.images[i].camera_id)) return;
+      if (place_by_others(camera_of(i), candidate(i), options_.refine, &together)) report(together, &reports_[i]);
+    });
+  }
+
+  static void report(const RefinePoseResult& together, ImageReport* report) {
+    report->refine = together;
+    report->camera_from_map = together.camera_from_map;
+    report->status = together.status == RefineStatus::kRefined ? ImageStatus::kRefined : ImageStatus::kKeptCoarse;
+    report->reason = together.reason;
   }
 
   GroupedFeatures& features_;

@@ -11,6 +11,7 @@
 
 #include "cpplus/core/error.h"
 #include "cpplus/core/parallel.h"
+#include "cpplus/core/random.h"
 #include "cpplus/io/colmap_io.h"
 #include "cpplus/io/image_io.h"
 #include "cpplus/io/point_cloud_io.h"
@@ -29,23 +30,27 @@ std::string bytes_of_file(const fs::path& path) {
   return bytes.str();
 }
 
+SimulateOptions small_world(int images) {
+  SimulateOptions options;
+  options.width = 480;
+  options.height = 360;
+  options.images = images;
+  options.blurred = 0;
+  options.moving = false;
+  options.scans = 8;
+  options.lidar.azimuth_steps = 600;
+  options.lidar.rings = 32;
+  options.render.samples_per_pixel = 2;
+  return options;
+}
+
 /// A small room with six images, one of them spoiled in each way that may happen:
 /// 000001 is not a JPEG, 000002 has another size than its camera, 000003 stands outside the map.
 class RefineCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     world_ = fs::path(testing::TempDir()) / ("refine_command_test_" + std::to_string(getpid()));
-    SimulateOptions options;
-    options.width = 480;
-    options.height = 360;
-    options.images = 6;
-    options.blurred = 0;
-    options.moving = false;
-    options.scans = 8;
-    options.lidar.azimuth_steps = 600;
-    options.lidar.rings = 32;
-    options.render.samples_per_pixel = 2;
-    simulate(options, world_.string());
+    simulate(small_world(6), world_.string());
 
     std::ofstream(world_ / "images/000001.jpg") << "this is no JPEG";
     write_png((world_ / "small.png").string(), ColorImage(160, 120));
@@ -206,17 +211,7 @@ double mean_shift_px(const fs::path& world, const fs::path& model) {
 
 TEST(RefineCommandJoint, ImagesTogetherFindMoreThanEachAlone) {
   const fs::path world = fs::path(testing::TempDir()) / ("refine_command_joint_" + std::to_string(getpid()));
-  SimulateOptions simulation;
-  simulation.width = 480;
-  simulation.height = 360;
-  simulation.images = 8;
-  simulation.blurred = 0;
-  simulation.moving = false;
-  simulation.scans = 8;
-  simulation.lidar.azimuth_steps = 600;
-  simulation.lidar.rings = 32;
-  simulation.render.samples_per_pixel = 2;
-  simulate(simulation, world.string());
+  simulate(small_world(8), world.string());
 
   RefineCommandOptions options;
   options.map = (world / "map.pcd").string();
@@ -238,6 +233,62 @@ TEST(RefineCommandJoint, ImagesTogetherFindMoreThanEachAlone) {
   EXPECT_EQ(shared["images"], 8);
   EXPECT_LT(shared["time_offset_sigma_s"].get<double>(), JointOptions().time_offset_sigma_s);
   EXPECT_TRUE(nlohmann::json::parse(std::ifstream(world / "alone/report.json"))["shared"].empty());
+  fs::remove_all(world);
+}
+
+/// A sharp image of no room: bars at random. Few hold nothing for patches either.
+ColorImage bars(int width, int height, int count, uint64_t seed) {
+  Random random(seed);
+  ColorImage image(width, height);
+  for (int k = 0; k < count; ++k) {
+    const auto gray = static_cast<uint8_t>(random.uniform(0, 255));
+    const int x0 = static_cast<int>(random.uniform(0, width - 60));
+    const int y0 = static_cast<int>(random.uniform(0, height - 60));
+    const int x1 = x0 + static_cast<int>(random.uniform(5, 60));
+    const int y1 = y0 + static_cast<int>(random.uniform(5, 60));
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) image.at(x, y) = {gray, gray, gray};
+    }
+  }
+  return image;
+}
+
+TEST(RefineCommandJoint, AnImageThatShowsLittleIsPlacedByTheOthersUnlessMostDo) {
+  const fs::path world = fs::path(testing::TempDir()) / ("refine_command_placed_" + std::to_string(getpid()));
+  simulate(small_world(8), world.string());
+  const auto spoil = [&](int i, int count) {
+    const std::string name = "00000" + std::to_string(i);
+    write_png((world / "images" / (name + ".png")).string(), bars(480, 360, count, static_cast<uint64_t>(i)));
+    fs::rename(world / "images" / (name + ".png"), world / "images" / (name + ".jpg"));
+  };
+  const auto reports = [&](const std::string& out) {
+    RefineCommandOptions options;
+    options.map = (world / "map.pcd").string();
+    options.images = (world / "images").string();
+    options.poses = (world / "coarse_medium").string();
+    options.stamps = (world / "stamps.txt").string();
+    options.out = (world / out).string();
+    refine_command(options);
+    return nlohmann::json::parse(std::ifstream(world / out / "report.json"))["images"];
+  };
+  spoil(4, 120);  // shows something else, also to patches
+  EXPECT_EQ(reports("other")[4]["status"], "kept_coarse");
+  spoil(4, 6);
+  const nlohmann::json one = reports("one");
+  EXPECT_EQ(one[4]["status"], "refined") << one[4]["reason"];
+  EXPECT_EQ(one[4]["reason"], "placed by the other images");
+  for (const size_t i : {0, 1, 2, 3, 5, 6, 7}) EXPECT_NE(one[i]["reason"], "placed by the other images") << i;
+  const SparseModel truth = read_sparse_model((world / "truth/on_map").string());
+  const auto distance_m = [&](const fs::path& model) {
+    const Rigid3 pose = read_sparse_model((world / model).string()).images[4].camera_from_map;
+    return (camera_center(pose) - camera_center(truth.images[4].camera_from_map)).norm();
+  };
+  EXPECT_LT(distance_m("one/sparse"), 0.5 * distance_m("coarse_medium"));
+
+  for (const int i : {0, 1, 2, 6, 7}) spoil(i, 6);
+  for (const nlohmann::json& report : reports("most")) {
+    EXPECT_NE(report["reason"], "placed by the other images") << report["name"];
+  }
   fs::remove_all(world);
 }
 

@@ -395,24 +395,32 @@ class JointSolver {
     drift_.translation = most_likely_drift(first[1], pairs[1], kMinDrift, kMaxDrift);
   }
 
+  // Information of everything but the image's own evidence on its pose and the parameters that this depends on, from
+  // the inverse of all of it.
+  Eigen::LDLT<Eigen::MatrixXd> information_of_others(size_t i, const SelectedInverse& inverse) const {
+    const std::vector<int> columns = own_columns(i);
+    const auto count = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd covariance(count, count);
+    for (Eigen::Index r = 0; r < count; ++r) {
+      for (Eigen::Index c = 0; c < count; ++c) {
+        covariance(r, c) = inverse.at(columns[static_cast<size_t>(r)], columns[static_cast<size_t>(c)]);
+      }
+    }
+    return Eigen::LDLT<Eigen::MatrixXd>(covariance.inverse() - own_terms_[i].h);
+  }
+
+  static Matrix6d pose_covariance(const Eigen::LDLT<Eigen::MatrixXd>& information) {
+    return information.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols())).topLeftCorner<6, 6>();
+  }
+
   // At the minimum all gradients add up to zero: that of everything else is minus that of the image's own edges.
   std::vector<PoseGuess> guesses_from_others() {
     const SelectedInverse inverse = inverse_information();
     std::vector<PoseGuess> guesses;
     for (size_t i = 0; i < poses_.size(); ++i) {
-      // Of its pose and of the parameters that its own evidence depends on.
-      const std::vector<int> columns = own_columns(i);
-      const auto count = static_cast<Eigen::Index>(columns.size());
-      Eigen::MatrixXd covariance(count, count);
-      for (Eigen::Index r = 0; r < count; ++r) {
-        for (Eigen::Index c = 0; c < count; ++c) {
-          covariance(r, c) = inverse.at(columns[static_cast<size_t>(r)], columns[static_cast<size_t>(c)]);
-        }
-      }
-      const Eigen::LDLT<Eigen::MatrixXd> rest(covariance.inverse() - own_terms_[i].h);
+      const Eigen::LDLT<Eigen::MatrixXd> rest = information_of_others(i, inverse);
       const Vector6d step = rest.solve(own_terms_[i].g).head<6>();
-      const Matrix6d of_pose = rest.solve(Eigen::MatrixXd::Identity(count, count)).topLeftCorner<6, 6>();
-      guesses.emplace_back(perturb_camera(poses_[i], step), of_pose);
+      guesses.emplace_back(perturb_camera(poses_[i], step), pose_covariance(rest));
     }
     return guesses;
   }
@@ -435,7 +443,8 @@ class JointSolver {
       Vector6d motion = Vector6d::Zero();
       if (in_sequence_[i]) motion = state(i, poses_[i]).pose().motion;
       const bool is_proven = problem_.images[i].edges != nullptr && free_[i].cols() == 0;
-      result.poses.push_back({poses_[i], motion, covariance_block(inverse, i, i), from_others[i], is_proven});
+      result.poses.push_back({poses_[i], motion, covariance_block(inverse, i, i), from_others[i],
+                              pose_covariance(information_of_others(i, inverse)), is_proven});
     }
     for (const auto& [camera, sequence] : problem_.sequences) {
       result.shared[camera] = shared_errors(camera, inverse, static_cast<int>(sequence.size()));

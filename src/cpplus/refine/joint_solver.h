@@ -81,6 +81,8 @@ struct JointPose {
   Matrix6d covariance = Matrix6d::Zero();  // of the perturbation in geometry/rigid3.h
   /// What everything but the image's own edges (or observation) says of its pose; not inflated, as these are not.
   PoseGuess from_others;
+  /// That of `from_others`, inflated as `covariance` is.
+  Matrix6d covariance_from_others = Matrix6d::Identity();
   /// Its own edges prove all its directions (unproven_directions.h).
   bool is_proven = false;
 

@@ -76,6 +76,12 @@ TEST(SolveJoint, AnErrorCommonToAllPredictsTheImageThatFailed) {
   // All that is known of it comes from the others.
   EXPECT_LT(in_prior_sigmas(camera_difference(expected.camera_from_map, result.poses[5].camera_from_map)), 1e-6);
   EXPECT_LT((expected.covariance - result.poses[5].covariance).norm(), 1e-6 * expected.covariance.norm());
+  EXPECT_LT((result.poses[5].covariance_from_others - result.poses[5].covariance).norm(),
+            1e-6 * expected.covariance.norm());
+  // An image that saw something is better known with that than without.
+  const JointPose& seen = result.poses[4];
+  EXPECT_GT(in_prior_sigmas(PoseGuess(seen.camera_from_map, seen.covariance_from_others).sigmas()),
+            1.05 * in_prior_sigmas(PoseGuess(seen.camera_from_map, seen.covariance).sigmas()));
 }
 
 TEST(SolveJoint, AnImageThatContradictsItsNeighboursStandsOutAndMisleadsNone) {

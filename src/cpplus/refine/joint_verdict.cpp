@@ -25,6 +25,7 @@ constexpr double kLogRatioOfPatch = 1.0;
 constexpr double kKnownByEdges = 3.0;
 constexpr double kShareUnlessKnown = 0.7;  // of max_predicted_share
 constexpr const char* kOnlyNearer = "uncertain, but nearer than the coarse pose";
+constexpr const char* kPlaced = "placed by the other images";
 
 EdgeResidual summarise(std::vector<double> distances, double first_radius_px, double last_radius_px) {
   const auto num_matches =
@@ -55,12 +56,8 @@ class JointJudge {
     const Degeneracy degeneracy = analyse_information(result.information, options_.prior.sigmas());
     result.information_eigenvalues = degeneracy.eigenvalues;
     result.weak_directions = degeneracy.weak_directions;
-    max_shift_px_ = options_.max_predicted_shift_px;
     const double unless_known = degeneracy.eigenvalues.minCoeff() >= kKnownByEdges ? 1.0 : kShareUnlessKnown;
-    // Down a corridor all images are equally lost: a way along it is no gain.
-    if (candidate_.most_are_proven) {
-      max_shift_px_ = std::max(max_shift_px_, unless_known * options_.max_predicted_share * shift_from_coarse());
-    }
+    max_shift_px_ = max_shift(unless_known * shift_from_coarse(pose.camera_from_map));
     result.covariance = candidate_.pose.covariance;
     result.predicted_shift_px = predicted_shift(result.covariance);
     if (result.weak_directions.empty() && result.predicted_shift_px > options_.max_predicted_shift_px) {
@@ -75,7 +72,30 @@ class JointJudge {
     return result;
   }
 
+  // Without its own edges.
+  bool place(RefinePoseResult* result) const {
+    const JointPose& joint = candidate_.pose;
+    const ImagePose placed(joint.from_others.camera_from_map, joint.motion);
+    const double predicted_shift_px = predicted_shift(joint.covariance_from_others);
+    const double max_shift_px = max_shift(kShareUnlessKnown * shift_from_coarse(placed.camera_from_map));
+    if (candidate_.surface_support < 0 || !(predicted_shift_px <= max_shift_px)) return false;
+    result->status = RefineStatus::kRefined;
+    result->reason = kPlaced;
+    result->camera_from_map = placed.camera_from_map;
+    result->covariance = joint.covariance_from_others;
+    result->predicted_shift_px = predicted_shift_px;
+    result->after = result->held_out_after = residual_of(edges_.all(), placed);  // no edge took part
+    return true;
+  }
+
  private:
+  // Of the predicted shift, where the pose may be uncertain by a share of `way_px` from the coarse one.
+  double max_shift(double way_px) const {
+    // Down a corridor all images are equally lost: a way along it is no gain.
+    if (!candidate_.most_are_proven) return options_.max_predicted_shift_px;
+    return std::max(options_.max_predicted_shift_px, options_.max_predicted_share * way_px);
+  }
+
   EdgeEvidence::Noise noise() const { return {options_.image_sigma_px, options_.edge_sigma_px}; }
 
   EdgeResidual residual_of(const EdgeEvidence::Selection& selection, const ImagePose& pose) const {
@@ -146,8 +166,7 @@ class JointJudge {
   }
 
   // Mean over that surface of its way in the image from the coarse pose; 0 where neither pose shows any.
-  double shift_from_coarse() const {
-    const Rigid3 camera_from_map = candidate_.pose.image_pose().camera_from_map;
+  double shift_from_coarse(const Rigid3& camera_from_map) const {
     double sum = 0.0;
     int count = 0;
     for (const Eigen::Vector3d& x : candidate_.surface_in_map) {
@@ -173,6 +192,11 @@ class JointJudge {
 RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
                                   const EdgeResidual& held_out_before, const RefinePoseOptions& options) {
   return JointJudge(camera, candidate, held_out_before, options).run();
+}
+
+bool place_by_others(const Camera& camera, const JointCandidate& candidate, const RefinePoseOptions& options,
+                     RefinePoseResult* result) {
+  return JointJudge(camera, candidate, result->held_out_before, options).place(result);
 }
 
 }  // namespace cpplus

@@ -31,4 +31,10 @@ struct JointCandidate {
 RefinePoseResult judge_joint_pose(const Camera& camera, const JointCandidate& candidate,
                                   const EdgeResidual& held_out_before, const RefinePoseOptions& options);
 
+/// For an image whose own edges are not believed: takes the pose that everything else gives, if that is expected to be
+/// off by no more than judge_joint_pose() allows where edges leave a direction to the others, and its patches do not
+/// speak against it. False: nothing changed.
+bool place_by_others(const Camera& camera, const JointCandidate& candidate, const RefinePoseOptions& options,
+                     RefinePoseResult* result);
+
 }  // namespace cpplus

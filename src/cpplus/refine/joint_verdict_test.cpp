@@ -68,6 +68,14 @@ void expect_refused(const RefinePoseResult& result, const JointCandidate& candid
   EXPECT_EQ(result.candidate_camera_from_map.translation, candidate.pose.camera_from_map.translation);
 }
 
+/// What an image shows that is of somewhere else.
+View clutter() {
+  DrawnNoise noise;
+  noise.room = false;
+  noise.clutter_chains = 600;
+  return View(noise);
+}
+
 TEST(JointVerdict, AGoodPoseIsAccepted) {
   const View view;
   const RefinePoseResult result = judge(candidate_at(view, true_view(), kWellKnown, kAsCoarse));
@@ -160,10 +168,7 @@ TEST(JointVerdict, AWrongPoseIsRefusedByItsEdges) {
 }
 
 TEST(JointVerdict, ClutterIsNoEvidence) {
-  DrawnNoise noise;
-  noise.room = false;
-  noise.clutter_chains = 600;
-  const View view(noise);
+  const View view = clutter();
   const JointCandidate alone = candidate_at(view, true_view(), kWellKnown, kAsCoarse);
   const RefinePoseResult result = judge(alone);
   EXPECT_GE(result.num_matches, RefinePoseOptions().min_samples);
@@ -193,6 +198,55 @@ TEST(JointVerdict, PatchesThatFitMakeUpForMissingEdgesWhereOthersPlaceTheImage) 
   EXPECT_EQ(judge(candidate).status, RefineStatus::kRefined);
   candidate.pose.from_others.covariance = kAsCoarse;
   expect_refused(judge(candidate), candidate, "too few matched edges");
+}
+
+/// Its edges lead it astray, the others know better.
+JointCandidate candidate_to_place(const View& view) {
+  JointCandidate candidate = candidate_at(view, disturbed(true_view(), 0.5, 0.05, 2), kWellKnown, kAsCoarse);
+  candidate.pose.from_others = {true_view(), kWellKnown};
+  candidate.pose.covariance_from_others = 7.0 * kWellKnown;
+  return candidate;
+}
+
+TEST(JointVerdict, AnImageWhoseEdgesAreNotBelievedIsPlacedByTheOthers) {
+  const View view = clutter();
+  const JointCandidate candidate = candidate_to_place(view);
+  RefinePoseResult result = judge(candidate);
+  expect_refused(result, candidate, "more than by chance");
+  ASSERT_TRUE(place_by_others(test_camera(), candidate, {}, &result));
+  EXPECT_EQ(result.status, RefineStatus::kRefined);
+  EXPECT_THAT(result.reason, HasSubstr("placed by the other images"));
+  EXPECT_EQ(result.camera_from_map.translation, true_view().translation);
+  EXPECT_EQ(result.covariance, candidate.pose.covariance_from_others);
+  JointCandidate others = candidate_at(view, true_view(), candidate.pose.covariance_from_others, kAsCoarse);
+  EXPECT_NEAR(result.predicted_shift_px, judge(others).predicted_shift_px, 0.2 * result.predicted_shift_px);
+  EXPECT_EQ(result.after.log_ratio, judge(others).after.log_ratio) << "of the pose that was taken";
+  EXPECT_EQ(result.held_out_after.log_ratio, result.after.log_ratio) << "no edge took part";
+}
+
+TEST(JointVerdict, NothingIsPlacedByOthersThatKnowLittle) {
+  const View view = clutter();
+  const JointCandidate sure = candidate_to_place(view);
+  const auto placed = [&](const JointCandidate& candidate, const RefinePoseOptions& options = {}) {
+    RefinePoseResult result = judge(candidate);
+    const bool is_placed = place_by_others(test_camera(), candidate, options, &result);
+    if (!is_placed) expect_refused(result, candidate, "");
+    return is_placed;
+  };
+  EXPECT_TRUE(placed(sure));
+  JointCandidate unsure = sure;
+  unsure.pose.covariance_from_others = kAsCoarse;
+  EXPECT_FALSE(placed(unsure)) << "as uncertain as the way from the coarse pose";
+  unsure.pose.covariance_from_others = variances(0.25, 0.025);
+  EXPECT_TRUE(placed(unsure)) << "a quarter of it";
+  RefinePoseOptions strict;
+  strict.max_predicted_share = 0.0;
+  EXPECT_FALSE(placed(unsure, strict));
+  unsure.most_are_proven = false;
+  EXPECT_FALSE(placed(unsure)) << "down a corridor the others know nothing";
+  JointCandidate contradicted = sure;
+  contradicted.surface_support = -1;
+  EXPECT_FALSE(placed(contradicted)) << "its patches lie elsewhere";
 }
 
 TEST(JointVerdict, WithoutOthersItMustBeatTheCoarsePose) {
