@@ -226,8 +226,8 @@ class JointRefiner {
         cameras_with_most([&](size_t i) { return reports_[i].status == ImageStatus::kRefined; });
     parallel_for_each(participants_.size(), [&](size_t k) {
       const size_t i = participants_[k];
+      if (reports_[i].status == ImageStatus::kRefined || !believed.at(input_.model.images[i].camera_id)) return;
       RefinePoseResult together = reports_[i].refine;
-      if (together.status == RefineStatus::kRefined || !believed.at(input_.model.images[i].camera_id)) return;
       if (place_by_others(camera_of(i), candidate(i), options_.refine, &together)) report(together, &reports_[i]);
     });
   }

@@ -209,20 +209,24 @@ double mean_shift_px(const fs::path& world, const fs::path& model) {
   return sum / static_cast<double>(comparison.images.size());
 }
 
-TEST(RefineCommandJoint, ImagesTogetherFindMoreThanEachAlone) {
-  const fs::path world = fs::path(testing::TempDir()) / ("refine_command_joint_" + std::to_string(getpid()));
-  simulate(small_world(8), world.string());
-
+RefineCommandOptions joint_options(const fs::path& world, const std::string& out) {
   RefineCommandOptions options;
   options.map = (world / "map.pcd").string();
   options.images = (world / "images").string();
   options.poses = (world / "coarse_medium").string();
   options.stamps = (world / "stamps.txt").string();
-  options.out = (world / "together").string();
-  refine_command(options);
-  options.joint = false;
-  options.out = (world / "alone").string();
-  refine_command(options);
+  options.out = (world / out).string();
+  return options;
+}
+
+TEST(RefineCommandJoint, ImagesTogetherFindMoreThanEachAlone) {
+  const fs::path world = fs::path(testing::TempDir()) / ("refine_command_joint_" + std::to_string(getpid()));
+  simulate(small_world(8), world.string());
+
+  refine_command(joint_options(world, "together"));
+  RefineCommandOptions one_by_one = joint_options(world, "alone");
+  one_by_one.joint = false;
+  refine_command(one_by_one);
 
   const double together = mean_shift_px(world, world / "together/sparse");
   const double alone = mean_shift_px(world, world / "alone/sparse");
@@ -262,13 +266,7 @@ TEST(RefineCommandJoint, AnImageThatShowsLittleIsPlacedByTheOthersUnlessMostDo) 
     fs::rename(world / "images" / (name + ".png"), world / "images" / (name + ".jpg"));
   };
   const auto reports = [&](const std::string& out) {
-    RefineCommandOptions options;
-    options.map = (world / "map.pcd").string();
-    options.images = (world / "images").string();
-    options.poses = (world / "coarse_medium").string();
-    options.stamps = (world / "stamps.txt").string();
-    options.out = (world / out).string();
-    refine_command(options);
+    refine_command(joint_options(world, out));
     return nlohmann::json::parse(std::ifstream(world / out / "report.json"))["images"];
   };
   spoil(4, 120);  // shows something else, also to patches
