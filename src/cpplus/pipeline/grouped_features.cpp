@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "cpplus/core/memory.h"
@@ -20,7 +21,13 @@ void for_each_array(MapFeatures* features, const Visit& visit) {
   visit(&features->surface.centers);
   visit(&features->edges);
   visit(&features->leaf_spacing);
-  visit(&features->equal_intensities);
+  visit(&features->intensities);
+}
+
+std::vector<float> kept_intensities(std::span<const float> of_map, KeptIntensities kept) {
+  if (kept == KeptIntensities::kNone) return {};
+  std::vector<float> intensities(of_map.begin(), of_map.end());
+  return kept == KeptIntensities::kEqualised ? equalise_intensities(intensities) : intensities;
 }
 
 PointMap without_attributes(const PointMap& points) {
@@ -32,8 +39,8 @@ PointMap without_attributes(const PointMap& points) {
 }  // namespace
 
 GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, FeatureStore* store,
-                                 const SparseModel& model, const RefineImagesOptions& options, bool with_intensities,
-                                 size_t max_group_points, const std::string& target)
+                                 const SparseModel& model, const RefineImagesOptions& options,
+                                 KeptIntensities intensities, size_t max_group_points, const std::string& target)
     : map_path_(map_path),
       points_(std::move(points)),
       places_(camera_centers(model)),
@@ -48,10 +55,7 @@ GroupedFeatures::GroupedFeatures(const std::string& map_path, PointMap points, F
   for (const std::unique_ptr<Group>& group : groups_) {
     NearFeatures found = find_features_near(map_path_, points_, places_of(*group), store, options);
     group->features = std::move(found.features);
-    if (with_intensities) {
-      const std::span<const float> intensities = found.near.points.intensities;
-      group->features.equal_intensities = equalise_intensities({intensities.begin(), intensities.end()});
-    }
+    group->features.intensities = kept_intensities(found.near.points.intensities, intensities);
     found.near = {};
     num_edges_ += group->features.edges.size();
     if (file_) put_away(group.get());

@@ -15,18 +15,21 @@
 
 namespace cpplus {
 
+/// Which LiDAR intensities MapFeatures hold: none, the map's, or those spread evenly (equalise_intensities()).
+enum class KeptIntensities { kNone, kOfMap, kEqualised };
+
 /// The features of a map near the images of a model, in parts that fit into memory: one for each group of images that
 /// lie near each other. Each part's planes and edges are found once; with more than one group they then lie in a
 /// temporary file, and the points of one group at a time in memory.
 class GroupedFeatures {
  public:
   /// Finds the features of all groups, or takes them from the store where there is one (not null; for the time of this
-  /// call), with equal_intensities if asked for. Groups have at most max_group_points points
+  /// call). Groups have at most max_group_points points
   /// around them where they can be divided (image_groups.h). `map_path`: file that errors name;
   /// `target`: file or folder that the temporary is for (io/scratch_file.h). Throws Error where the map's indices are
   /// damaged, or the temporary cannot be written.
   GroupedFeatures(const std::string& map_path, PointMap points, FeatureStore* store, const SparseModel& model,
-                  const RefineImagesOptions& options, bool with_intensities, size_t max_group_points,
+                  const RefineImagesOptions& options, KeptIntensities intensities, size_t max_group_points,
                   const std::string& target);
 
   /// Calls body for each group that has some of the images (indices into the model), with these in their order. Views

@@ -86,10 +86,24 @@ class JointRefiner {
                                  {refine.image_sigma_px, refine.edge_sigma_px},
                                  refine.search.last_kernel_px,
                                  refine.min_log_gain};
-    JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
-    cameras_ = result.cameras;
+    const auto solve = [&] {
+      JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
+      cameras_ = result.cameras;
+      return result;
+    };
+    JointResult result = solve();
+    // Intensities are looked for near where the camera is already known to be.
+    const std::vector<std::vector<IntensityMatch>> intensities = match_intensities_at(result);
+    if (std::any_of(intensities.begin(), intensities.end(), [](const auto& some) { return !some.empty(); })) {
+      for (const size_t i : participants_) {
+        problem.images[i].camera_from_map = result.poses[i].camera_from_map;
+        problem.images[i].intensities = &intensities[i];
+      }
+      result = solve();
+    }
     judge(result, surface_supports(problem.matches, result));
     measure_surfaces(matches, result);
+    measure_intensities(intensities, result);
     return result;
   }
 
@@ -129,6 +143,23 @@ class JointRefiner {
     reports_[i].milliseconds.emplace_back("joint_view", watch.lap());
   }
 
+  // By image.
+  std::vector<std::vector<IntensityMatch>> match_intensities_at(const JointResult& result) {
+    std::vector<std::vector<IntensityMatch>> matches(views_.size());
+    if (!options_.intensities.enabled) return matches;
+    features_.for_each_group(participants_, [&](const MapFeatures& features, const std::vector<size_t>& images) {
+      if (features.intensities.empty()) return;
+      parallel_for_each(images.size(), [&](size_t k) {
+        const size_t i = images[k];
+        Stopwatch watch;
+        const ExpectedView view{camera_of(i), result.poses[i].camera_from_map, result.poses[i].covariance};
+        matches[i] = find_intensities_in_view(features, view, input_.decode(i), options_);
+        reports_[i].milliseconds.emplace_back("match_intensities", watch.lap());
+      });
+    });
+    return matches;
+  }
+
   // Patches of image i in its partners among participants [begin, end).
   std::vector<SurfaceMatch> match_surfaces(size_t i, size_t begin, size_t end) {
     Stopwatch watch;
@@ -157,6 +188,23 @@ class JointRefiner {
         residual(result.poses[m.image_a].image_pose(), result.poses[m.image_b].image_pose(), &after);
       }
       reports_[participants_[k]].surfaces = {static_cast<int>(matches[k].size()), median(before), median(after)};
+    }
+  }
+
+  void measure_intensities(const std::vector<std::vector<IntensityMatch>>& matches, const JointResult& result) {
+    for (const size_t i : participants_) {
+      const Camera& camera = camera_of(i);
+      const auto distances = [&](const ImagePose& pose) {
+        std::vector<double> all;
+        for (const IntensityMatch& m : matches[i]) {
+          const auto pixel = camera.project(pose.at(row_fraction(m.pixel.y(), camera.height())) * m.x_in_map);
+          if (pixel) all.push_back((*pixel - m.pixel).norm());
+        }
+        return all;
+      };
+      reports_[i].intensities = {static_cast<int>(matches[i].size()),
+                                 median(distances(input_.model.images[i].camera_from_map)),
+                                 median(distances(result.poses[i].image_pose()))};
     }
   }
 

@@ -62,6 +62,12 @@ RefineInputs absolute_inputs(const RefineCommandOptions& options) {
   return {absolute(options.map), absolute(options.images), absolute(options.poses)};
 }
 
+KeptIntensities kept_intensities(const RefineCommandOptions& options) {
+  if (options.method == "nid") return KeptIntensities::kEqualised;
+  const bool are_matched = options.method == "cp_plus" && options.joint && options.stages.intensities.enabled;
+  return are_matched ? KeptIntensities::kOfMap : KeptIntensities::kNone;
+}
+
 GroupedFeatures find_features(const RefineCommandOptions& options, const SparseModel& model, MapReport* report) {
   const std::string path = cached_map(options.map, options.cache, options.stages.voxel_map);
   PointMap points = read_map(path, options.stages.voxel_map);
@@ -71,7 +77,7 @@ GroupedFeatures find_features(const RefineCommandOptions& options, const SparseM
   std::optional<FeatureStore> store =
       open_feature_store(path, points, options.keep_features, options.stages, options.tiles);
   GroupedFeatures features(path, std::move(points), store ? &*store : nullptr, model, options.stages,
-                           options.method == "nid", static_cast<size_t>(options.max_group_points), options.out);
+                           kept_intensities(options), static_cast<size_t>(options.max_group_points), options.out);
   if (store) {
     log_info(fmt::format("{}: planes and edges of {} tiles were found, those of {} were there", features_folder(path),
                          store->num_found(), store->num_read()));
@@ -200,8 +206,8 @@ class ModelRefiner {
       return refine_image_by_lines(features, image.name, camera, image.camera_from_map, decode_it, options_.stages);
     }
     if (options_.method == "nid") {
-      return refine_image_by_nid(features, features.equal_intensities, image.name, camera, image.camera_from_map,
-                                 decode_it, options_.stages);
+      return refine_image_by_nid(features, features.intensities, image.name, camera, image.camera_from_map, decode_it,
+                                 options_.stages);
     }
     return refine_image(features, image.name, camera, image.camera_from_map, guesses_[i], decode_it, options_.stages);
   }

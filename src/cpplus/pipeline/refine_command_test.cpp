@@ -240,6 +240,28 @@ TEST(RefineCommandJoint, ImagesTogetherFindMoreThanEachAlone) {
   fs::remove_all(world);
 }
 
+TEST(RefineCommandJoint, IntensitiesAreFoundWhereTheMapHasThemUnlessSwitchedOff) {
+  const fs::path world = fs::path(testing::TempDir()) / ("refine_command_intensities_" + std::to_string(getpid()));
+  simulate(small_world(6), world.string());
+  const auto matches = [&](const RefineCommandOptions& options) {
+    refine_command(options);
+    int count = 0;
+    const auto report = nlohmann::json::parse(std::ifstream(fs::path(options.out) / "report.json"));
+    for (const nlohmann::json& image : report["images"]) {
+      count += image["intensities"]["matches"].get<int>();
+      if (image["intensities"]["matches"] == 0) continue;
+      EXPECT_LT(image["intensities"]["after_median_px"], image["intensities"]["before_median_px"]) << image["name"];
+    }
+    return count;
+  };
+  EXPECT_GT(matches(joint_options(world, "on")), 30);
+  RefineCommandOptions off = joint_options(world, "off");
+  off.stages.intensities.enabled = false;
+  EXPECT_EQ(matches(off), 0);
+  EXPECT_LT(mean_shift_px(world, world / "on/sparse"), mean_shift_px(world, world / "off/sparse"));
+  fs::remove_all(world);
+}
+
 /// A sharp image of no room: bars at random. Few hold nothing for patches either.
 ColorImage bars(int width, int height, int count, uint64_t seed) {
   Random random(seed);

@@ -1,6 +1,7 @@
 #include "cpplus/pipeline/refine_images.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "cpplus/cloud/select_roots.h"
@@ -10,6 +11,7 @@
 #include "cpplus/geometry/tangent_box.h"
 #include "cpplus/pipeline/nothing_hidden.h"
 #include "cpplus/visibility/point_spacing.h"
+#include "cpplus/visibility/points_on_planes.h"
 
 namespace cpplus {
 namespace {
@@ -78,6 +80,7 @@ void RefineImagesOptions::validate() const {
   image_edges.validate();
   refine.validate();
   patches.validate();
+  intensities.validate();
   joint_solve.validate();
   lines.validate();
   nid.validate();
@@ -216,6 +219,20 @@ JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, 
   view.patches = prepare_patch_view(image, planes, points.raster, options.patches);
   view.surface_in_map = seen_surface(planes);
   return view;
+}
+
+std::vector<IntensityMatch> find_intensities_in_view(const MapFeatures& features, const ExpectedView& view,
+                                                     const GrayImage& image, const RefineImagesOptions& options) {
+  if (features.intensities.empty()) return {};
+  const PlaneBuffer planes = hiding_planes(features, view.camera, view.camera_from_map, options);
+  std::vector<IntensityPoint> points;
+  for (const PointInView& seen :
+       points_on_seen_planes(features.map, features.leaf_spacing, planes, options.visibility.max_distance_m,
+                             kSurfaceDepthNoises * features.planes.noise_m)) {
+    const float intensity = features.intensities[seen.index];
+    if (std::isfinite(intensity)) points.push_back({seen.pixel, features.map.point(seen.index), intensity});
+  }
+  return match_intensities(points, image, view, options.intensities);
 }
 
 }  // namespace cpplus

@@ -9,6 +9,7 @@
 #include "cpplus/core/progress.h"
 #include "cpplus/features/blur.h"
 #include "cpplus/features/image_edges.h"
+#include "cpplus/features/intensity_matching.h"
 #include "cpplus/features/map_edges.h"
 #include "cpplus/features/patch_matching.h"
 #include "cpplus/features/plane_segmentation.h"
@@ -52,6 +53,7 @@ struct RefineImagesOptions {
   ImageEdgeOptions image_edges;
   RefinePoseOptions refine;
   PatchMatchingOptions patches;
+  IntensityMatchingOptions intensities;
   JointOptions joint_solve;
   // Of the baselines alone (pipeline/refine_baselines.h).
   LineOptions lines;
@@ -71,6 +73,7 @@ struct RefineImagesOptions {
     visitor.group("image_edges", image_edges);
     visitor.group("refine", refine);
     visitor.group("patches", patches);
+    visitor.group("intensities", intensities);
     visitor.group("joint_solve", joint_solve);
     visitor.group("lines", lines);
     visitor.group("nid", nid);
@@ -83,8 +86,8 @@ struct MapFeatures {
   PlaneSegmentation planes;
   PlaneSurface surface;
   std::vector<MapEdge> edges;
-  std::vector<float> leaf_spacing;       // of the points, metres (visibility/point_spacing.h)
-  std::vector<float> equal_intensities;  // in the order of the map, equalised; of --method nid alone
+  std::vector<float> leaf_spacing;  // of the points, metres (visibility/point_spacing.h)
+  std::vector<float> intensities;   // in the order of the map (pipeline/grouped_features.h); empty: none are at hand
 };
 
 /// Finds them; advances the progress by kMapSteps. `noise_m`: the map's range noise where it is known (segment_planes).
@@ -132,5 +135,10 @@ struct JointView {
 
 JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, const Rigid3& camera_from_map,
                              const GrayImage& image, const RefineImagesOptions& options);
+
+/// Patches of one image that show the LiDAR intensities of the map, looked for from a pose that is nearly right
+/// (features/intensity_matching.h). None in a map without intensities, or where nothing is taken to hide (`local`).
+std::vector<IntensityMatch> find_intensities_in_view(const MapFeatures& features, const ExpectedView& view,
+                                                     const GrayImage& image, const RefineImagesOptions& options);
 
 }  // namespace cpplus

@@ -56,8 +56,8 @@ void add_pictures(const RefineResult& result, const ReportCommandOptions& option
     std::optional<FeatureStore> store =
         open_feature_store(result.inputs.map, points, result.keep_features, result.stages, result.tiles);
     write_floor_plan(points.map, *page, floor_plan);
-    GroupedFeatures features(result.inputs.map, points, store ? &*store : nullptr, result.coarse, result.stages, false,
-                             static_cast<size_t>(result.max_group_points), folder);
+    GroupedFeatures features(result.inputs.map, points, store ? &*store : nullptr, result.coarse, result.stages,
+                             KeptIntensities::kNone, static_cast<size_t>(result.max_group_points), folder);
     drawn = draw_pictures(result, &features, plan.missing, folder, options.picture_size_px);
   }
   page->has_floor_plan = true;

@@ -156,6 +156,9 @@ class JointSolver {
     EvidenceTerm term =
         edge_term(matches_[i], state(i, pose), matched_readout_s_.at(image.camera_id), edge_options_.loss_scale);
     free_directions(free_[i], prior_sigmas_, &term);
+    if (image.intensities != nullptr) {
+      add_intensity_matches(*image.intensities, state(i, pose), patch_loss_scale_, &term);
+    }
     return term;
   }
 

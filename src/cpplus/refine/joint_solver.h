@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cpplus/cloud/intensity_match.h"
 #include "cpplus/cloud/surface_match.h"
 #include "cpplus/core/options.h"
 #include "cpplus/geometry/camera.h"
@@ -59,8 +60,9 @@ struct JointImage {
   const Camera* camera = nullptr;  // null: an image without edges and patches needs none
   uint32_t camera_id = 0;
   Rigid3 coarse_camera_from_map;
-  Rigid3 camera_from_map;               // where the solve starts
-  const EdgeEvidence* edges = nullptr;  // null: it has none
+  Rigid3 camera_from_map;                                    // where the solve starts
+  const EdgeEvidence* edges = nullptr;                       // null: it has none
+  const std::vector<IntensityMatch>* intensities = nullptr;  // null: none were found yet
   /// Result of the image on its own, where its edges are not at hand.
   std::optional<PoseObservation> observed;
   /// Of the coarse pose, in the camera frame: rad/s, m/s.
@@ -124,7 +126,8 @@ struct JointResult {
 /// with an extrinsic error e and a time offset t of each camera, the camera's velocity v_i and a drift d_i that changes
 /// little from image to image; minimised are, robustly, the distances of map edges to image edges (or to the pose that
 /// an image on its own gives; Student's t with 4 degrees of freedom), the places where patches of the map's planes are
-/// found in other images (surface_match_residual.h), and the priors of e, t and of the drift (drift_model.h). How large
+/// found in other images (surface_match_residual.h), those where the pattern of LiDAR intensities is found
+/// (cloud/intensity_match.h), and the priors of e, t and of the drift (drift_model.h). How large
 /// and how smooth that is follows from the data (expectation maximisation), so that errors that are independent from
 /// image to image are found to be so. On demand the readout time of a rolling shutter and the intrinsics are unknowns
 /// of each camera as well (imaging.h). What an image's own edges do not prove of its pose (unproven_directions.h) is

@@ -158,6 +158,52 @@ TEST(SolveJointSurfaces, AFifthOfWrongMatchesDoesNotMatter) {
   }
 }
 
+/// Where the images show spots of the surfaces, on a grid of pixels; every `wrong_one_in`-th somewhere near.
+std::vector<std::vector<IntensityMatch>> draw_intensity_matches(const Photographs& photos, int wrong_one_in,
+                                                                uint64_t seed) {
+  Random random(seed);
+  std::vector<std::vector<IntensityMatch>> matches(photos.truth.size());
+  int count = 0;
+  for (size_t i = 0; i < photos.truth.size(); ++i) {
+    const PlaneBuffer planes = cast_plane_buffer(photos.room, photos.camera, photos.truth[i], 8.0);
+    for (double y = 30; y < photos.camera.height(); y += 60) {
+      for (double x = 30; x < photos.camera.width(); x += 60) {
+        const Eigen::Vector2d pixel(x, y);
+        const int32_t id = planes.plane_at(pixel);
+        if (id == PlaneBuffer::kNone) continue;
+        const double range = planes.range_of(photos.room.planes[static_cast<size_t>(id)], pixel);
+        IntensityMatch m;
+        m.x_in_map = inverse(photos.truth[i]) * Eigen::Vector3d(range * *photos.camera.unproject(pixel));
+        const double off_px = ++count % wrong_one_in == 0 ? 8.0 : 0.5;
+        m.pixel = pixel + off_px * Eigen::Vector2d(random.normal(), random.normal());
+        m.information = 4.0 * Eigen::Matrix2d::Identity();
+        matches[i].push_back(m);
+      }
+    }
+  }
+  return matches;
+}
+
+TEST(SolveJointIntensities, PosesAreFoundFromIntensitiesAloneThoughAFifthIsWrong) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    Photographs photos(disturbed_views(0.2, 0.02, seed));
+    const std::vector<std::vector<IntensityMatch>> matches = draw_intensity_matches(photos, 5, seed);
+    for (size_t i = 0; i < matches.size(); ++i) {
+      ASSERT_GT(matches[i].size(), 15u);
+      photos.problem.images[i].intensities = &matches[i];
+    }
+    const JointResult result = photos.solve();
+    for (size_t i = 0; i < matches.size(); ++i) {
+      const Rigid3& pose = result.poses[i].camera_from_map;
+      EXPECT_LT(photos.shift_px(i, pose), 0.5) << i;
+      EXPECT_GT(photos.shift_px(i, photos.problem.images[i].coarse_camera_from_map), 1.0) << i;
+      const Vector6d error = camera_difference(photos.truth[i], pose);
+      EXPECT_LT(error.dot(result.poses[i].covariance.inverse() * error), 12.6) << i;
+    }
+  }
+}
+
 TEST(SolveJointEdges, PosesAreFoundFromEdgesAlone) {
   Photographs photos(disturbed_views(0.4, 0.04, 6));
   photos.draw_edges({});

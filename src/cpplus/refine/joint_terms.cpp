@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cpplus/geometry/perturbed_pixel.h"
 #include "cpplus/refine/direction_errors.h"
 #include "cpplus/refine/surface_match_residual.h"
 
@@ -17,8 +18,16 @@ double cauchy_cost(double squared, double scale) { return scale * scale * std::l
 double cauchy_weight(double squared, double scale) { return 1.0 / (1.0 + squared / (scale * scale)); }
 
 // Rows on the stack.
+using SpotRows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 6 + kMaxParameters>;
 using EdgeRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 6 + kMaxParameters>;
 using PatchRows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 12 + 2 * kMaxParameters>;
+
+// Derivative of the pixel of a point (camera frame) by an intrinsic.
+Eigen::Vector2d by_intrinsic(const Imaging& imaging, int k, const Eigen::Vector3d& x_in_camera) {
+  const auto low = imaging.neighbors(k)[0].project(x_in_camera);
+  const auto high = imaging.neighbors(k)[1].project(x_in_camera);
+  return low && high ? Eigen::Vector2d((*high - *low) / (2.0 * imaging.step(k))) : Eigen::Vector2d::Zero();
+}
 
 // Derivatives of the residual by the parameters of the Imaging of a (which = 0) or b.
 void add_imaging_derivatives(const SurfaceMatch& match, const SurfaceMatchResidual& r, const ImageState& a,
@@ -76,9 +85,7 @@ EvidenceTerm edge_term(const std::vector<EdgeMatch>& matches, const ImageState& 
     Eigen::Index column = 6;
     if (imaging.has_readout()) j(column++) = m.row_fraction * j.head<6>().dot(image.velocity_per_s);
     for (int k = 0; k < imaging.num_intrinsics(); ++k) {
-      const auto low = imaging.neighbors(k)[0].project(x);
-      const auto high = imaging.neighbors(k)[1].project(x);
-      j(column++) = low && high ? m.normal.dot(*high - *low) / (2.0 * imaging.step(k) * m.sigma_px) : 0.0;
+      j(column++) = m.normal.dot(by_intrinsic(imaging, k, x)) / m.sigma_px;
     }
     const double weight = m.weight * cauchy_weight(r * r, loss_scale);
     term.h.noalias() += (weight * j.transpose()).lazyProduct(j);
@@ -88,6 +95,31 @@ EvidenceTerm edge_term(const std::vector<EdgeMatch>& matches, const ImageState& 
   }
   direction_errors.discount(&term.h, &term.g, &term.cost);
   return term;
+}
+
+void add_intensity_matches(const std::vector<IntensityMatch>& matches, const ImageState& image, double loss_scale,
+                           EvidenceTerm* term) {
+  const Imaging& imaging = *image.imaging;
+  const ImagePose pose = image.pose();
+  SpotRows j(2, 6 + imaging.num_parameters());
+  for (const IntensityMatch& m : matches) {
+    const double fraction = row_fraction(m.pixel.y(), imaging.camera().height());
+    const Eigen::Vector3d x = pose.at(fraction) * m.x_in_map;
+    const auto seen = project_perturbed(imaging.camera(), x);
+    if (!seen) continue;
+    const Eigen::Vector2d r = seen->pixel - m.pixel;
+    j.leftCols<6>() = seen->by_perturbation;
+    Eigen::Index column = 6;
+    if (imaging.has_readout()) j.col(column++) = fraction * seen->by_perturbation * image.velocity_per_s;
+    for (int k = 0; k < imaging.num_intrinsics(); ++k) {
+      j.col(column++) = by_intrinsic(imaging, k, x);
+    }
+    const double squared = r.dot(m.information * r);
+    const Eigen::Matrix2d w = m.weight * cauchy_weight(squared, loss_scale) * m.information;
+    term->h.noalias() += j.transpose().lazyProduct((w * j).eval());
+    term->g.noalias() += j.transpose().lazyProduct((w * r).eval());
+    term->cost += m.weight * cauchy_cost(squared, loss_scale);
+  }
 }
 
 EvidenceTerm patch_term(const SharedPatches& patches, const ImageState& a, const ImageState& b,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "cpplus/cloud/intensity_match.h"
 #include "cpplus/cloud/surface_match.h"
 #include "cpplus/refine/edge_match.h"
 #include "cpplus/refine/imaging.h"
@@ -44,6 +45,11 @@ EvidenceTerm observation_term(const PoseObservation& observed, const Matrix6d& i
 /// made.
 EvidenceTerm edge_term(const std::vector<EdgeMatch>& matches, const ImageState& image, double matched_readout_s,
                        double loss_scale);
+
+/// Adds the distances of spots of the map from where the image shows their intensities, with Cauchy's loss. Unknowns as
+/// in edge_term().
+void add_intensity_matches(const std::vector<IntensityMatch>& matches, const ImageState& image, double loss_scale,
+                           EvidenceTerm* term);
 
 /// Patches that two images share.
 struct SharedPatches {

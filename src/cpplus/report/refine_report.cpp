@@ -35,6 +35,12 @@ Json matrix_json(const Matrix& matrix) {
   return rows;
 }
 
+Json patch_residual_json(const PatchResidual& residual) {
+  return {{"matches", residual.num_matches},
+          {"before_median_px", number(residual.before_median_px)},
+          {"after_median_px", number(residual.after_median_px)}};
+}
+
 Json image_json(const ImageReport& image) {
   const RefinePoseResult& r = image.refine;
   Json json;
@@ -61,9 +67,8 @@ Json image_json(const ImageReport& image) {
   json["covariance"] = matrix_json(r.covariance);
   json["eigenvalues"] = matrix_json(Eigen::Matrix<double, 1, 6>(r.information_eigenvalues.transpose()))[0];
   json["weak_directions"] = r.weak_directions;
-  json["surfaces"] = {{"matches", image.surfaces.num_matches},
-                      {"before_median_px", number(image.surfaces.before_median_px)},
-                      {"after_median_px", number(image.surfaces.after_median_px)}};
+  json["surfaces"] = patch_residual_json(image.surfaces);
+  json["intensities"] = patch_residual_json(image.intensities);
   json["predicted_shift_px"] = number(r.predicted_shift_px);
   if (image.nid) {
     json["nid"] = {{"before", number(image.nid->before)},

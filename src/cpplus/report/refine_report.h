@@ -18,8 +18,9 @@ enum class ImageStatus { kRefined, kKeptCoarse, kBlurred, kOutsideMap, kUnreadab
 /// "refined", "kept_coarse", "blurred", "outside_map", "unreadable".
 std::string status_name(ImageStatus status);
 
-/// How far patches of the map's planes, as this image shows them, are from where other images show them.
-struct SurfaceResidual {
+/// How far patches of an image are from where they should be: of the map's surface, from where other images show them;
+/// of LiDAR intensities, from where the image shows these.
+struct PatchResidual {
   int num_matches = 0;
   double before_median_px = 0.0;  // by the coarse poses
   double after_median_px = 0.0;   // by the poses of the joint solve, accepted or not
@@ -32,7 +33,8 @@ struct ImageReport {
   Rigid3 camera_from_map;
   int num_map_edges = 0;    // that should be seen
   RefinePoseResult refine;  // figures; defaults where it was not reached
-  SurfaceResidual surfaces;
+  PatchResidual surfaces;
+  PatchResidual intensities;
   std::optional<NidResult> nid;  // of that baseline alone
   double sharpness = 0.0;
   std::vector<std::pair<std::string, double>> milliseconds;  // a stage each, in order

@@ -30,6 +30,7 @@ ImageReport image_report() {
   r.weak_directions = {"translation z"};
   r.predicted_shift_px = 0.8;
   image.surfaces = {40, 7.0, 0.4};
+  image.intensities = {12, 6.0, 0.5};
   return image;
 }
 
@@ -69,6 +70,9 @@ TEST(RefineReport, HoldsTheFiguresUnderTheirNames) {
   EXPECT_EQ(image["surfaces"]["matches"], 40);
   EXPECT_EQ(image["surfaces"]["before_median_px"], 7.0);
   EXPECT_EQ(image["surfaces"]["after_median_px"], 0.4);
+  EXPECT_EQ(image["intensities"]["matches"], 12);
+  EXPECT_EQ(image["intensities"]["before_median_px"], 6.0);
+  EXPECT_EQ(image["intensities"]["after_median_px"], 0.5);
 }
 
 TEST(RefineReport, NumbersThatDoNotExistAreNull) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include "cpplus/cloud/node_range.h"
 #include "cpplus/core/vector_clones.h"
@@ -18,19 +19,21 @@ namespace {
 // Points of some nodes, a block at a time.
 class PointProjector {
  public:
-  using Visit = std::function<void(std::span<const ProjectedPoint>)>;
-
-  PointProjector(const VoxelMap& map, const PlaneBuffer& planes, double max_distance_m, const Visit& visit)
+  PointProjector(const VoxelMap& map, const PlaneBuffer& planes, double max_distance_m,
+                 const VisitProjectedPoints& visit)
       : camera_(planes.camera),
         min_cos_(static_cast<float>(std::cos(planes.camera.max_view_angle()))),
         max_range_(static_cast<float>(max_distance_m)),
         visit_(visit),
         block_(planes.camera, planes.camera_from_map, map.origin()) {}
 
-  void add(std::span<const Eigen::Vector3f> positions, float spacing) {
+  // first: index of the first position.
+  void add(std::span<const Eigen::Vector3f> positions, uint32_t first, float spacing) {
     while (!positions.empty()) {
       const size_t count = std::min(positions.size(), block_.room());
       std::fill_n(&spacing_[block_.size()], count, spacing);
+      std::iota(&index_[block_.size()], &index_[block_.size()] + count, first);
+      first += static_cast<uint32_t>(count);
       block_.add(positions.first(count));
       positions = positions.subspan(count);
       if (block_.full()) flush();
@@ -44,9 +47,10 @@ class PointProjector {
     for (size_t i = 0; i < block_.size(); ++i) {
       // Written in any case: most are in view, and the next one takes the place of one that is not.
       points_[count] = {{block_.column(i), block_.row(i)}, block_.range(i), spacing_[i]};
+      index_[count] = index_[i];
       count += in_view_[i];
     }
-    visit_({points_.data(), count});
+    visit_({points_.data(), count}, {index_.data(), count});
     block_.clear();
   }
 
@@ -71,9 +75,10 @@ class PointProjector {
   const Camera& camera_;
   float min_cos_;
   float max_range_;
-  const Visit& visit_;
+  const VisitProjectedPoints& visit_;
   PointBlock block_;
   std::array<float, PointBlock::kSize> spacing_;
+  std::array<uint32_t, PointBlock::kSize> index_;
   std::array<uint8_t, PointBlock::kSize> in_view_;
   std::array<ProjectedPoint, PointBlock::kSize> points_;
 };
@@ -81,7 +86,7 @@ class PointProjector {
 }  // namespace
 
 void project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
-                    double max_distance_m, const std::function<void(std::span<const ProjectedPoint>)>& visit) {
+                    double max_distance_m, const VisitProjectedPoints& visit) {
   if (map.num_layers() == 0) return;
   const int layer = point_spacing_layer(map);
   PointProjector projector(map, planes, max_distance_m, visit);
@@ -90,7 +95,7 @@ void project_points(const VoxelMap& map, const std::vector<float>& leaf_spacing,
     const float spacing = leaf_spacing[leaves_of(map, layer, node).begin];
     if (!std::isfinite(spacing)) continue;
     const uint32_t begin = map.points_begin(layer, node);
-    projector.add(map.positions().subspan(begin, map.points_end(layer, node) - begin), spacing);
+    projector.add(map.positions().subspan(begin, map.points_end(layer, node) - begin), begin, spacing);
   }
   projector.flush();
 }

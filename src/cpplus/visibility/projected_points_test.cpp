@@ -40,25 +40,35 @@ VoxelMap clusters() {
   return VoxelMap(cloud, {});
 }
 
-std::vector<ProjectedPoint> points_in(const VoxelMap& map, const std::vector<float>& spacing, const Camera& camera) {
+struct PointsInImage {
   std::vector<ProjectedPoint> points;
+  std::vector<uint32_t> indices;
+};
+
+PointsInImage points_in(const VoxelMap& map, const std::vector<float>& spacing, const Camera& camera) {
+  PointsInImage all;
   project_points(map, spacing, open_view(camera), 6.0,
-                 [&](std::span<const ProjectedPoint> some) { points.insert(points.end(), some.begin(), some.end()); });
-  return points;
+                 [&](std::span<const ProjectedPoint> points, std::span<const uint32_t> indices) {
+                   all.points.insert(all.points.end(), points.begin(), points.end());
+                   all.indices.insert(all.indices.end(), indices.begin(), indices.end());
+                 });
+  return all;
 }
 
 TEST(ProjectPoints, AreThoseOfOneByOneInTheOrderOfTheMap) {
   const VoxelMap map = clusters();
   const std::vector<float> spacing = leaf_point_spacing(map);
   for (const Camera& camera : {opencv(), fisheye()}) {
-    const std::vector<ProjectedPoint> points = points_in(map, spacing, camera);
+    const auto [points, indices] = points_in(map, spacing, camera);
     auto point = points.begin();
+    ASSERT_EQ(indices.size(), points.size());
     for (uint32_t leaf = 0; leaf < map.num_nodes(map.leaf_layer()); ++leaf) {
       for (uint32_t i = map.points_begin(map.leaf_layer(), leaf); i < map.points_end(map.leaf_layer(), leaf); ++i) {
         const Eigen::Vector3d x = kCameraFromMap * map.point(i);
         const auto pixel = camera.project(x);
         if (!std::isfinite(spacing[leaf]) || x.norm() > 6.0 || !pixel || !camera.in_image(*pixel, -0.5)) continue;
         ASSERT_NE(point, points.end());
+        EXPECT_EQ(indices[static_cast<size_t>(point - points.begin())], i);
         EXPECT_NEAR(point->pixel.x(), pixel->x(), 1e-3);
         EXPECT_NEAR(point->pixel.y(), pixel->y(), 1e-3);
         EXPECT_NEAR(point->range, x.norm(), 1e-5);
@@ -71,7 +81,7 @@ TEST(ProjectPoints, AreThoseOfOneByOneInTheOrderOfTheMap) {
   }
 }
 
-TEST(ProjectPoints, AnEmptyMapHasNone) { EXPECT_TRUE(points_in(VoxelMap(), {}, opencv()).empty()); }
+TEST(ProjectPoints, AnEmptyMapHasNone) { EXPECT_TRUE(points_in(VoxelMap(), {}, opencv()).points.empty()); }
 
 TEST(NodesInView, HoldAllPointsInTheImageAndFewOthers) {
   const VoxelMap map = clusters();
