@@ -29,6 +29,7 @@ constexpr float kMinContrast = 3.0f;
 // of the least squared correlation are not looked at: half the time, and no match is lost (all of it loses some).
 constexpr int kCells = 8;
 constexpr double kMinExplained = 0.5;
+// Higher ones count as this: the likelihood of a perfect one has no bound.
 constexpr double kMaxCorrelation = 0.99;
 
 // Points by squares of half a patch.
@@ -217,9 +218,9 @@ std::optional<Peak> find_peak(const Eigen::MatrixXd& correlation, double measure
   const double mixed = 0.25 * (l(2, 2) - l(2, 0) - l(0, 2) + l(0, 0));
   Eigen::Matrix2d curvature;
   curvature << 2.0 * l(1, 1) - l(1, 2) - l(1, 0), -mixed, -mixed, 2.0 * l(1, 1) - l(2, 1) - l(0, 1);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(curvature, Eigen::EigenvaluesOnly);
+  if (!(curvature.trace() > 0.0 && curvature.determinant() > 0.0)) return std::nullopt;  // a ridge or a saddle
   const Eigen::Vector2d step = curvature.inverse() * gradient;
-  if (!(eigen.eigenvalues()(0) > 0.0) || step.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
+  if (step.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
   Peak peak;
   peak.information = curvature;
   const Eigen::Vector2d highest(static_cast<double>(x - radius), static_cast<double>(y - radius));

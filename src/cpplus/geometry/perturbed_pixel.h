@@ -19,11 +19,7 @@ struct PerturbedPixel {
 inline std::optional<PerturbedPixel> project_perturbed(const Camera& camera, const Eigen::Vector3d& x_in_camera) {
   PerturbedPixel p;
   if (!camera.project(x_in_camera, &p.pixel, &p.by_point)) return std::nullopt;
-  // The camera turns by w: the point moves by -w x point (rows of J times -[w]_x, transposed).
-  for (Eigen::Index row = 0; row < 2; ++row) {
-    p.by_perturbation.row(row).head<3>() = p.by_point.row(row).cross(x_in_camera.transpose());
-  }
-  p.by_perturbation.rightCols<3>() = -p.by_point;
+  p.by_perturbation = p.by_point * d_camera_point_d_delta(x_in_camera);
   return p;
 }
 

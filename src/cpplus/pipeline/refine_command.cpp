@@ -62,7 +62,7 @@ RefineInputs absolute_inputs(const RefineCommandOptions& options) {
   return {absolute(options.map), absolute(options.images), absolute(options.poses)};
 }
 
-KeptIntensities kept_intensities(const RefineCommandOptions& options) {
+KeptIntensities needed_intensities(const RefineCommandOptions& options) {
   if (options.method == "nid") return KeptIntensities::kEqualised;
   const bool are_matched = options.method == "cp_plus" && options.joint && options.stages.intensities.enabled;
   return are_matched ? KeptIntensities::kOfMap : KeptIntensities::kNone;
@@ -77,7 +77,7 @@ GroupedFeatures find_features(const RefineCommandOptions& options, const SparseM
   std::optional<FeatureStore> store =
       open_feature_store(path, points, options.keep_features, options.stages, options.tiles);
   GroupedFeatures features(path, std::move(points), store ? &*store : nullptr, model, options.stages,
-                           kept_intensities(options), static_cast<size_t>(options.max_group_points), options.out);
+                           needed_intensities(options), static_cast<size_t>(options.max_group_points), options.out);
   if (store) {
     log_info(fmt::format("{}: planes and edges of {} tiles were found, those of {} were there", features_folder(path),
                          store->num_found(), store->num_read()));

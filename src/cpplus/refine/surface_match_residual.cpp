@@ -3,16 +3,6 @@
 #include <cmath>
 
 namespace cpplus {
-namespace {
-
-// [-x]_x: derivative of w x x by w.
-Eigen::Matrix3d turning(const Eigen::Vector3d& x) {
-  Eigen::Matrix3d m;
-  m << 0, x.z(), -x.y(), -x.z(), 0, x.x(), x.y(), -x.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& match, const Camera& camera_a,
                                                            const ImagePose& pose_a, const Camera& camera_b,
@@ -39,8 +29,9 @@ std::optional<SurfaceMatchResidual> surface_match_residual(const SurfaceMatch& m
   const Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity() - direction * match.normal_in_map.transpose() / slope;
   const Eigen::Matrix<double, 2, 3> d_pixel_d_motion =
       d_pixel_d_x * b_from_map.rotation.toRotationMatrix() * in_plane * map_from_a;
-  r.by_a << d_pixel_d_motion * turning(range * *bearing), d_pixel_d_motion;
-  r.by_b << -d_pixel_d_x * turning(x_in_b), -d_pixel_d_x;
+  // The camera takes the spot along, contrary to how a perturbation moves a point that stays in the map.
+  r.by_a = -d_pixel_d_motion * d_camera_point_d_delta(range * *bearing);
+  r.by_b = d_pixel_d_x * d_camera_point_d_delta(x_in_b);
   return r;
 }
 

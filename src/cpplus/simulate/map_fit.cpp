@@ -34,11 +34,7 @@ Rigid3 fit_pose_to_map(const Camera& camera, const Rigid3& true_camera_from_map,
       Eigen::Vector2d pixel;
       Eigen::Matrix<double, 2, 3> d_pixel_d_x;
       if (!target || !camera.project(x, &pixel, &d_pixel_d_x)) continue;
-      // x_in_camera of the camera perturbed by delta: x - rotation x x - translation (see perturb_camera).
-      Eigen::Matrix<double, 3, 6> d_x_d_delta;
-      d_x_d_delta << 0.0, -x.z(), x.y(), -1.0, 0.0, 0.0, x.z(), 0.0, -x.x(), 0.0, -1.0, 0.0, -x.y(), x.x(), 0.0, 0.0,
-          0.0, -1.0;
-      Eigen::Matrix<double, 2, 6> jacobian = d_pixel_d_x * d_x_d_delta;
+      Eigen::Matrix<double, 2, 6> jacobian = d_pixel_d_x * d_camera_point_d_delta(x);
       Eigen::Vector2d difference_px = pixel - *target;
       unroll(camera, x, &difference_px, &jacobian);
       information += jacobian.transpose() * jacobian;

@@ -190,11 +190,12 @@ PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_
   view.points.reserve(std::min(map.num_points(), kMostUsualPoints));
   view.cells.reserve(view.points.capacity());
   RangeRasterDrawer drawer(planes.camera, cell_px);
-  project_points(map, leaf_spacing, planes, max_distance_m, [&](std::span<const ProjectedPoint> some, std::span<const uint32_t>) {
-    view.points.insert(view.points.end(), some.begin(), some.end());
-    view.cells.resize(view.points.size());
-    drawer.add(some, view.cells.data() + view.cells.size() - some.size());
-  });
+  project_points(map, leaf_spacing, planes, max_distance_m,
+                 [&](std::span<const ProjectedPoint> some, std::span<const uint32_t>) {
+                   view.points.insert(view.points.end(), some.begin(), some.end());
+                   view.cells.resize(view.points.size());
+                   drawer.add(some, view.cells.data() + view.cells.size() - some.size());
+                 });
   view.raster = std::move(drawer).finish();
   return view;
 }
