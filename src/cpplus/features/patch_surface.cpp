@@ -3,8 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
+
+#include "cpplus/features/seen_points.h"
 
 namespace cpplus {
 namespace {
@@ -13,17 +14,25 @@ namespace {
 constexpr double kMarginM = 0.08;
 constexpr double kMarginRatio = 0.03;
 // Of a tangent plane: least share of cells with a surface and number of those with points, least share of the latter on
-// the plane, largest deviation from it.
+// the plane, largest deviation of their means from it.
 constexpr double kMinFilled = 0.9;
-constexpr size_t kMinSamples = 12;
-constexpr double kMinOnPlane = 0.9;
+constexpr size_t kMinCells = 12;
+constexpr double kMinOnPlane = 0.8;
 constexpr double kMaxScatterM = 0.03;
 constexpr double kMaxScatterRatio = 0.005;
+// Points up to so many deviations of the map's noise behind the nearest belong to its surface, half of that on either
+// side once the surface is known; what beams at a slant smear adds a share of the range.
+constexpr double kFrontNoises = 6.0;
+constexpr double kBandNoises = 3.0;
+constexpr double kBandRatio = 0.01;
+constexpr int kTangentRounds = 4;
+// Most points in front of the surface for each that lies on it: people leave some who walked through the scan.
+constexpr double kMaxInFront = 0.3;
 // A surface is not better known than the width of a beam lets it.
 constexpr double kMinRangeSigmaM = 0.01;
 // Of a plane as a whole: the map is distorted by some millimetres.
 constexpr double kMapSigmaM = 0.004;
-// The points under a patch lie on its plane when their mean does not leave it by more than this along the ray: what
+// The points under a patch lie on its plane when their median does not leave it by more than this along the ray: what
 // protrudes from a plane or lies behind it is drawn as the plane, too.
 constexpr double kOnPlaneM = 0.015;
 constexpr double kOnPlaneRatio = 0.003;
@@ -42,93 +51,104 @@ int32_t one_plane(const PlaneBuffer& planes, const Eigen::Vector2d& pixel, doubl
   return id;
 }
 
-struct RangeSample {
-  Eigen::Vector3d bearing;
-  double range = 0.0;
-  double num_points = 0.0;
-};
-
-// The cells of a square that hold points; none where too few of its cells show a surface.
-std::vector<RangeSample> ranges_around(const Camera& camera, const RangeRaster& raster, const Eigen::Vector2d& pixel,
-                                       double radius_px) {
-  std::vector<RangeSample> samples;
-  const Eigen::Vector2f reach = Eigen::Vector2f::Constant(static_cast<float>(radius_px));
-  const Eigen::Vector2i first = raster.cell_of(pixel.cast<float>() - reach);
-  const Eigen::Vector2i last = raster.cell_of(pixel.cast<float>() + reach);
-  int num_cells = 0, num_filled = 0;
-  for (int y = first.y(); y <= last.y(); ++y) {
-    for (int x = first.x(); x <= last.x(); ++x) {
-      ++num_cells;
-      num_filled += raster.range_at({x, y}) > 0.0f;
-      if (!raster.num_points.contains(x, y) || raster.num_points.at(x, y) == 0) continue;
-      const auto bearing = camera.unproject(raster.corner_of({x, y}) + Eigen::Vector2d::Constant(0.5 * raster.cell_px));
-      if (!bearing) continue;
-      samples.push_back(
-          {*bearing, static_cast<double>(raster.mean_range.at(x, y)), static_cast<double>(raster.num_points.at(x, y))});
-    }
-  }
-  if (num_filled < kMinFilled * num_cells) samples.clear();
-  return samples;
-}
-
-struct TangentFit {
-  Eigen::Vector3d n = Eigen::Vector3d::Zero();  // 1 / range = n . bearing
-  double scatter_m = 0.0;                       // RMS along the rays
-};
-
-// Weights r^2 turn deviations of 1 / r into deviations of r.
-TangentFit fit_tangent(const std::vector<RangeSample>& samples) {
+// n of 1 / range = n . bearing by least squares through the points that are asked for; weights r^4 turn deviations of
+// 1 / r into deviations of r.
+template <typename IsAsked>
+Eigen::Vector3d fit_tangent(const std::vector<SeenPoint>& points, const IsAsked& is_asked) {
   Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  for (const RangeSample& s : samples) {
-    const double weight = s.num_points * std::pow(s.range, 4);
-    h.noalias() += weight * s.bearing * s.bearing.transpose();
-    g += weight / s.range * s.bearing;
+  for (const SeenPoint& p : points) {
+    if (!is_asked(p)) continue;
+    const double weight = p.range * p.range * p.range * p.range;
+    h.noalias() += weight * p.bearing * p.bearing.transpose();
+    g += weight / p.range * p.bearing;
   }
-  TangentFit fit;
-  fit.n = h.ldlt().solve(g);
-  double squares = 0.0;
-  for (const RangeSample& s : samples) squares += std::pow(s.range - 1.0 / fit.n.dot(s.bearing), 2);
-  fit.scatter_m = std::sqrt(squares / static_cast<double>(samples.size()));
-  return fit;
+  return h.ldlt().solve(g);
 }
 
-std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, std::vector<RangeSample> samples,
+double range_of_tangent(const Eigen::Vector3d& n, const Eigen::Vector3d& bearing) { return 1.0 / n.dot(bearing); }
+
+struct TangentSupport {
+  size_t num_cells = 0;    // on the plane: with points on it and few in front
+  double share = 0.0;      // of the cells that show something
+  double scatter_m = 0.0;  // RMS deviation of the cells' means along the rays
+};
+
+TangentSupport support_of(const SeenSquare& square, const Eigen::Vector3d& n, double band_m) {
+  struct Cell {
+    double sum = 0.0;
+    int num_on = 0;
+    int num_before = 0;
+    bool shows_behind = false;  // what lies behind the plane and is not hidden
+  };
+  std::vector<Cell> cells(square.num_cells);
+  for (const SeenPoint& p : square.points) {
+    const double of_plane = range_of_tangent(n, p.bearing);
+    const double behind = p.range - of_plane;
+    Cell& cell = cells[p.cell];
+    cell.num_before += behind < -band_m;
+    cell.shows_behind |= behind > band_m && p.nearest > of_plane + band_m;
+    if (!(std::abs(behind) <= band_m)) continue;
+    cell.sum += behind;
+    ++cell.num_on;
+  }
+  TangentSupport support;
+  double squares = 0.0;
+  size_t num_off = 0;
+  for (const Cell& cell : cells) {
+    if (cell.num_on > 0 && cell.num_before <= kMaxInFront * cell.num_on) {
+      squares += std::pow(cell.sum / cell.num_on, 2);
+      ++support.num_cells;
+    } else if (cell.num_before > 0 || cell.shows_behind) {
+      ++num_off;
+    }
+  }
+  if (support.num_cells == 0) return support;
+  support.share = static_cast<double>(support.num_cells) / static_cast<double>(support.num_cells + num_off);
+  support.scatter_m = std::sqrt(squares / static_cast<double>(support.num_cells));
+  return support;
+}
+
+// The nearest surface, in front of what lies behind. What the raster shows in a cell is the nearest of all points that
+// reach there, which a slanted surface has far in front of its own: the fit starts from what lies close behind that and
+// then takes what lies on both sides of itself.
+std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, const SeenSquare& square, double noise_m,
                                           const Eigen::Vector2d& pixel) {
   const auto bearing = planes.camera.unproject(pixel);
-  if (!bearing) return std::nullopt;
-  if (samples.size() < kMinSamples) return std::nullopt;
-  TangentFit fit = fit_tangent(samples);
-  const size_t num_before = samples.size();
-  std::erase_if(samples, [&](const RangeSample& s) {
-    return !(std::abs(s.range - 1.0 / fit.n.dot(s.bearing)) <= 3.0 * fit.scatter_m);
-  });
-  if (static_cast<double>(samples.size()) < kMinOnPlane * static_cast<double>(num_before)) return std::nullopt;
-  fit = fit_tangent(samples);
-  const double slope = fit.n.dot(*bearing);
-  if (!(slope > 0.0)) return std::nullopt;
-  const double range = 1.0 / slope;
-  if (!(fit.scatter_m <= kMaxScatterM + kMaxScatterRatio * range)) return std::nullopt;
+  if (!bearing || square.share_filled < kMinFilled || square.num_cells < kMinCells) return std::nullopt;
+  Eigen::Vector3d n =
+      fit_tangent(square.points, [&](const SeenPoint& p) { return p.range <= p.nearest + kFrontNoises * noise_m; });
+  const double band_m = kBandNoises * noise_m + kBandRatio * range_of_tangent(n, *bearing);
+  for (int round = 0; round < kTangentRounds; ++round) {
+    n = fit_tangent(square.points, [&, last = n](const SeenPoint& p) {
+      return std::abs(p.range - range_of_tangent(last, p.bearing)) <= band_m;
+    });
+  }
+  const double range = range_of_tangent(n, *bearing);
+  if (!(range > 0.0)) return std::nullopt;
+  const TangentSupport support = support_of(square, n, band_m);
+  if (support.num_cells < kMinCells || support.share < kMinOnPlane) return std::nullopt;
+  if (support.scatter_m > kMaxScatterM + kMaxScatterRatio * range) return std::nullopt;
 
   const Rigid3 map_from_camera = inverse(planes.camera_from_map);
   PatchSurface surface;
   surface.plane.centroid = map_from_camera * Eigen::Vector3d(range * *bearing);
-  surface.plane.normal = map_from_camera.rotation * -fit.n.normalized();
-  surface.range_sigma_m = std::max(kMinRangeSigmaM, fit.scatter_m);
+  surface.plane.normal = map_from_camera.rotation * -n.normalized();
+  surface.range_sigma_m = std::max(kMinRangeSigmaM, support.scatter_m);
   return surface;
 }
 
 // Whether the points in view lie on the plane, which the pixel's ray meets at that range; where there are none, the
 // surface drawn around them must.
-bool lies_on(const MapPlane& plane, double range_m, const PlaneBuffer& planes, const std::vector<RangeSample>& samples,
+bool lies_on(const MapPlane& plane, double range_m, const PlaneBuffer& planes, const SeenSquare& square,
              const RangeRaster& raster, const Eigen::Vector2d& pixel) {
-  double sum = 0.0;
-  double count = 0.0;
-  for (const RangeSample& s : samples) {
-    sum += s.num_points * (s.range - planes.range_along(plane, s.bearing));
-    count += s.num_points;
+  std::vector<double> behind;
+  for (const SeenPoint& p : square.points) behind.push_back(p.range - planes.range_along(plane, p.bearing));
+  if (!behind.empty()) {
+    const auto middle = behind.begin() + static_cast<std::ptrdiff_t>(behind.size() / 2);
+    std::nth_element(behind.begin(), middle, behind.end());
+    return std::abs(*middle) <= kOnPlaneM + kOnPlaneRatio * range_m;
   }
-  if (count > 0.0) return std::abs(sum / count) <= kOnPlaneM + kOnPlaneRatio * range_m;
   const double nearest = static_cast<double>(raster.range_at(raster.cell_of(pixel.cast<float>())));
   return nearest <= 0.0 || nearest < range_m + margin_at(range_m);
 }
@@ -142,7 +162,7 @@ bool is_seen(const RangeRaster& raster, const Eigen::Vector2d& pixel, double ran
 
 std::optional<PatchSurface> surface_under(const PlaneBuffer& planes, const RangeRaster& raster,
                                           const Eigen::Vector2d& pixel, double radius_px) {
-  std::vector<RangeSample> samples = ranges_around(planes.camera, raster, pixel, radius_px);
+  const SeenSquare square = points_around(planes.camera, raster, pixel, radius_px);
   const int32_t id = one_plane(planes, pixel, radius_px);
   if (id != PlaneBuffer::kNone) {
     PatchSurface surface;
@@ -150,9 +170,9 @@ std::optional<PatchSurface> surface_under(const PlaneBuffer& planes, const Range
     surface.plane = (*planes.planes)[static_cast<size_t>(id)];
     surface.range_sigma_m = kMapSigmaM;
     const double range = planes.range_of(surface.plane, pixel);
-    if (is_seen(raster, pixel, range) && lies_on(surface.plane, range, planes, samples, raster, pixel)) return surface;
+    if (is_seen(raster, pixel, range) && lies_on(surface.plane, range, planes, square, raster, pixel)) return surface;
   }
-  return tangent_under(planes, std::move(samples), pixel);
+  return tangent_under(planes, square, raster.points.noise_m, pixel);
 }
 
 }  // namespace cpplus

@@ -208,7 +208,7 @@ JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, 
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
   PointsInView points = points_in_view(features.map, features.leaf_spacing, planes, options.silhouettes.max_distance_m,
                                        options.silhouettes.cell_px);
-  add_mean_ranges(kSurfaceDepthNoises * features.planes.noise_m, &points);
+  add_points_by_cell(features.planes.noise_m, &points);
   EdgesInView seen =
       edges_in_view(features, planes, find_silhouettes(points, camera, camera_from_map, options.silhouettes), options);
   if (!options.local) drop_hidden_samples(points.raster, camera, camera_from_map, options.samples, &seen.samples);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "cpplus/core/vector_clones.h"
@@ -200,20 +201,16 @@ PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_
   return view;
 }
 
-void add_mean_ranges(double depth_m, PointsInView* view) {
-  RangeRaster& raster = view->raster;
-  raster.mean_range = RangeImage(raster.range.width, raster.range.height, 0.0f);
-  raster.num_points = Image<uint16_t>(raster.range.width, raster.range.height, 0);
-  const float depth = static_cast<float>(depth_m);
+void add_points_by_cell(double noise_m, PointsInView* view) {
+  PointsByCell& by_cell = view->raster.points;
+  by_cell.noise_m = noise_m;
+  by_cell.begin.assign(view->raster.range.pixels.size() + 1, 0);
+  for (const uint32_t cell : view->cells) ++by_cell.begin[cell + 1];
+  std::partial_sum(by_cell.begin.begin(), by_cell.begin.end(), by_cell.begin.begin());
+  by_cell.points.resize(view->points.size());
+  std::vector<uint32_t> next(by_cell.begin.begin(), by_cell.begin.end() - 1);
   for (size_t i = 0; i < view->points.size(); ++i) {
-    const uint32_t cell = view->cells[i];
-    const float range = view->points[i].range;
-    const float nearest = raster.range.pixels[cell];
-    if (nearest <= 0.0f || range > nearest + depth) continue;
-    uint16_t& count = raster.num_points.pixels[cell];
-    if (count == std::numeric_limits<uint16_t>::max()) continue;
-    float& mean = raster.mean_range.pixels[cell];
-    mean += (range - mean) / static_cast<float>(++count);
+    by_cell.points[next[view->cells[i]]++] = {view->points[i].pixel, view->points[i].range};
   }
 }
 

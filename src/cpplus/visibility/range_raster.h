@@ -36,8 +36,7 @@ struct PointsInView {
 PointsInView points_in_view(const VoxelMap& map, const std::vector<float>& leaf_spacing, const PlaneBuffer& planes,
                             double max_distance_m, double cell_px);
 
-/// Fills mean_range and num_points of the raster: the nearest surface lies in front of the middle of its noise, so that
-/// points up to depth_m behind it belong to it.
-void add_mean_ranges(double depth_m, PointsInView* view);
+/// Fills the raster's points: all of the view. noise_m: their standard deviation about the surface.
+void add_points_by_cell(double noise_m, PointsInView* view);
 
 }  // namespace cpplus

@@ -140,5 +140,37 @@ TEST(DrawRangeRaster, NoPointsShowNothing) {
   for (const float range : draw_range_raster({}).range.pixels) EXPECT_EQ(range, 0.0f);
 }
 
+TEST(AddPointsByCell, EachPointIsInItsCellHiddenOnesToo) {
+  PointsInView view;
+  Random random(3);
+  RangeRasterDrawer drawer(camera(), 2.0);
+  for (int i = 0; i < 300; ++i) {
+    view.points.push_back(point_in(static_cast<int>(random.uniform(0, kWidth)),
+                                   static_cast<int>(random.uniform(0, kHeight)),
+                                   static_cast<float>(random.uniform(1.0, 9.0)), 2.0f));
+  }
+  view.cells.resize(view.points.size());
+  drawer.add(view.points, view.cells.data());
+  view.raster = std::move(drawer).finish();
+  EXPECT_TRUE(view.raster.points_in({3, 3}).empty()) << "not asked for";
+  add_points_by_cell(0.02, &view);
+  EXPECT_EQ(view.raster.points.noise_m, 0.02);
+  size_t num_points = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto in_cell = view.raster.points_in({x, y});
+      num_points += in_cell.size();
+      const auto expected = std::count_if(view.points.begin(), view.points.end(), [&](const ProjectedPoint& point) {
+        return column_of(point) == x && row_of(point) == y;
+      });
+      EXPECT_EQ(static_cast<std::ptrdiff_t>(in_cell.size()), expected);
+      for (const auto& point : in_cell) EXPECT_EQ(view.raster.cell_of(point.pixel), Eigen::Vector2i(x, y));
+    }
+  }
+  EXPECT_EQ(num_points, view.points.size());
+  EXPECT_TRUE(view.raster.points_in({-1, 0}).empty());
+  EXPECT_TRUE(view.raster.points_in({0, kHeight}).empty());
+}
+
 }  // namespace
 }  // namespace cpplus
