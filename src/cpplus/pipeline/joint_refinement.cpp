@@ -7,6 +7,7 @@
 #include "cpplus/core/parallel.h"
 #include "cpplus/core/progress.h"
 #include "cpplus/core/stopwatch.h"
+#include "cpplus/geometry/image_displacement.h"
 #include "cpplus/refine/surface_match_residual.h"
 
 namespace cpplus {
@@ -19,6 +20,11 @@ constexpr size_t kNearestImages = 12;
 constexpr size_t kMaxPartners = 4;
 // Least share of an image's patches that a partner should see.
 constexpr double kMinOverlap = 0.15;
+// Edges and patches are looked at once more from where the images were found, while more than this share of them moved
+// by so much: from there they see another surface.
+constexpr int kMaxLooks = 3;
+constexpr double kFarPx = 4.0;
+constexpr double kMaxShareFar = 0.1;
 // A patch fits when it lies this near to where the poses put it.
 constexpr double kMaxPatchResidualPx = 1.5;
 
@@ -72,26 +78,21 @@ class JointRefiner {
   }
 
   JointResult run() {
-    const std::vector<std::vector<SurfaceMatch>> matches = look_at_images();
     JointProblem problem = make_problem(input_);
-    for (const size_t i : participants_) {
-      problem.images[i].camera_from_map = start_[i];
-      problem.images[i].edges = &views_[i].edges;
+    std::vector<std::vector<SurfaceMatch>> matches;
+    JointResult result;
+    for (int look = 0; look < kMaxLooks; ++look) {
+      matches = look_at_images();
+      problem.matches.clear();
+      for (const auto& some : matches) problem.matches.insert(problem.matches.end(), some.begin(), some.end());
+      for (const size_t i : participants_) {
+        problem.images[i].camera_from_map = start_[i];
+        problem.images[i].edges = &views_[i].edges;
+      }
+      result = solve(problem);
+      if (!moved_far(result)) break;
+      for (const size_t i : participants_) start_[i] = result.poses[i].camera_from_map;
     }
-    for (const auto& some : matches) problem.matches.insert(problem.matches.end(), some.begin(), some.end());
-    const RefinePoseOptions& refine = options_.refine;
-    const JointEdgeOptions edges{refine.first_radius_px,
-                                 refine.last_radius_px,
-                                 refine.loss_scale,
-                                 {refine.image_sigma_px, refine.edge_sigma_px},
-                                 refine.search.last_kernel_px,
-                                 refine.min_log_gain};
-    const auto solve = [&] {
-      JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
-      cameras_ = result.cameras;
-      return result;
-    };
-    JointResult result = solve();
     // Intensities are looked for near where the camera is already known to be.
     const std::vector<std::vector<IntensityMatch>> intensities = match_intensities_at(result);
     if (std::any_of(intensities.begin(), intensities.end(), [](const auto& some) { return !some.empty(); })) {
@@ -99,7 +100,7 @@ class JointRefiner {
         problem.images[i].camera_from_map = result.poses[i].camera_from_map;
         problem.images[i].intensities = &intensities[i];
       }
-      result = solve();
+      result = solve(problem);
     }
     judge(result, surface_supports(problem.matches, result));
     measure_surfaces(matches, result);
@@ -108,6 +109,27 @@ class JointRefiner {
   }
 
  private:
+  JointResult solve(const JointProblem& problem) {
+    const RefinePoseOptions& refine = options_.refine;
+    const JointEdgeOptions edges{refine.first_radius_px,
+                                 refine.last_radius_px,
+                                 refine.loss_scale,
+                                 {refine.image_sigma_px, refine.edge_sigma_px},
+                                 refine.search.last_kernel_px,
+                                 refine.min_log_gain};
+    JointResult result = solve_joint(problem, refine.prior.sigmas(), edges, options_.joint_solve);
+    cameras_ = result.cameras;
+    return result;
+  }
+
+  bool moved_far(const JointResult& result) const {
+    const auto num_far = std::count_if(participants_.begin(), participants_.end(), [&](size_t i) {
+      return mean_displacement_px(camera_of(i), views_[i].surface_in_map, start_[i], result.poses[i].camera_from_map) >
+             kFarPx;
+    });
+    return static_cast<double>(num_far) > kMaxShareFar * static_cast<double>(participants_.size());
+  }
+
   // With the intrinsics found, once they are.
   const Camera& camera_of(size_t i) const { return cameras_.at(input_.model.images[i].camera_id); }
 
@@ -180,7 +202,8 @@ class JointRefiner {
       std::vector<double> before, after;
       for (const SurfaceMatch& m : matches[k]) {
         const auto residual = [&](const ImagePose& a, const ImagePose& b, std::vector<double>* distances) {
-          const auto r = surface_match_residual(m, camera_of(m.image_a), a, camera_of(m.image_b), b);
+          const auto r =
+              surface_match_residual(m, camera_of(m.image_a), a, camera_of(m.image_b), b, result.range_scale);
           if (r) distances->push_back(r->residual.norm());
         };
         residual(input_.model.images[m.image_a].camera_from_map, input_.model.images[m.image_b].camera_from_map,
@@ -233,8 +256,9 @@ class JointRefiner {
   std::vector<int> surface_supports(const std::vector<SurfaceMatch>& matches, const JointResult& result) const {
     std::vector<int> supports(views_.size(), 0);
     for (const SurfaceMatch& m : matches) {
-      const auto r = surface_match_residual(m, camera_of(m.image_a), result.poses[m.image_a].image_pose(),
-                                            camera_of(m.image_b), result.poses[m.image_b].image_pose());
+      const auto r =
+          surface_match_residual(m, camera_of(m.image_a), result.poses[m.image_a].image_pose(), camera_of(m.image_b),
+                                 result.poses[m.image_b].image_pose(), result.range_scale);
       const int vote = r && r->residual.norm() <= kMaxPatchResidualPx ? 1 : -1;
       supports[m.image_a] += vote;
       supports[m.image_b] += vote;
@@ -289,7 +313,7 @@ class JointRefiner {
 
   GroupedFeatures& features_;
   const JointRefinementInput& input_;
-  const std::vector<Rigid3>& start_;
+  std::vector<Rigid3> start_;  // where images are looked at
   const RefineImagesOptions& options_;
   std::map<uint32_t, Camera> cameras_;
   std::vector<ImageReport>& reports_;

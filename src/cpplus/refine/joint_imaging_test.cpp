@@ -191,12 +191,14 @@ TEST(JointTerms, GradientsAreThoseOfDifferences) {
 
   const auto cost = [&](const Eigen::VectorXd& x, bool of_edge) {
     Imaging imaging = start;
-    imaging.set_values(values + x.tail(start.num_parameters()));
+    imaging.set_values(values + x.segment(12, start.num_parameters()));
     const ImageState a{perturb_camera(moving.truth[0], x.head<6>()), moving.velocities[0], &imaging};
     const ImageState b{perturb_camera(moving.truth[1], x.segment<6>(6)), moving.velocities[1], &imaging};
-    return of_edge ? edge_term({edge}, a, 0.0, kSquare) : patch_term(patches, a, b, {0.18, kSquare});
+    return of_edge ? edge_term({edge}, a, 0.0, kSquare)
+                   : patch_term(patches, a, b, 0.004 + x(x.size() - 1), {0.18, kSquare});
   };
-  const Eigen::Index n = 12 + start.num_parameters();
+  const Eigen::Index range_scale = 12 + start.num_parameters();
+  const Eigen::Index n = range_scale + 1;
   const EvidenceTerm of_edge = cost(Eigen::VectorXd::Zero(n), true);
   const EvidenceTerm of_patch = cost(Eigen::VectorXd::Zero(n), false);
   ASSERT_EQ(of_edge.g.size(), 6 + start.num_parameters());
@@ -204,15 +206,17 @@ TEST(JointTerms, GradientsAreThoseOfDifferences) {
   EXPECT_GT(of_edge.cost, 0.1);
   EXPECT_GT(of_patch.cost, 0.1);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const double h = k < 12 ? 1e-6 : 1e-4 * start.prior_sigmas()(k - 12);
+    const double h = k < 12 || k == range_scale ? 1e-6 : 1e-4 * start.prior_sigmas()(k - 12);
     const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(n, k);
     const auto slope = [&](bool edge_only) {
       return 0.5 * (cost(step, edge_only).cost - cost(-step, edge_only).cost) / (2 * h);
     };
-    // Both images have one camera: its parameters stand twice.
-    const double expected = k < 12 ? of_patch.g(k) : of_patch.g(k) + of_patch.g(k + start.num_parameters());
+    // Both images have one camera: its parameters stand twice, before the range scale.
+    double expected = of_patch.g(k);
+    if (k >= 12)
+      expected = k == range_scale ? of_patch.g.tail<1>()(0) : of_patch.g(k) + of_patch.g(k + range_scale - 12);
     EXPECT_NEAR(slope(false), expected, 1e-3 * std::abs(expected) + 1e-3) << k;
-    if (k >= 6 && k < 12) continue;
+    if ((k >= 6 && k < 12) || k == range_scale) continue;
     const double of_one = of_edge.g(k < 6 ? k : k - 6);
     EXPECT_NEAR(slope(true), of_one, 1e-3 * std::abs(of_one) + 1e-3) << k;
   }

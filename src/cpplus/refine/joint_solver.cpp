@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "cpplus/core/parallel.h"
 #include "cpplus/refine/drift_model.h"
@@ -27,7 +28,7 @@ constexpr int kLearningSteps = 3;  // a round
 // Above this share of its prior deviation the data say little of a parameter.
 constexpr double kUndetermined = 0.7;
 
-// Names of the shared parameters that keep about their prior; sigmas in those of the prior.
+// Names of a camera's parameters that keep about their prior; sigmas in those of the prior.
 std::vector<std::string> undetermined_parameters(const Imaging& imaging, const Eigen::VectorXd& sigma_ratios) {
   std::vector<std::string> names = {"rotation x",    "rotation y",    "rotation z", "translation x",
                                     "translation y", "translation z", "time offset"};
@@ -41,6 +42,8 @@ std::vector<std::string> undetermined_parameters(const Imaging& imaging, const E
   }
   return undetermined;
 }
+
+using Vector1d = Eigen::Matrix<double, 1, 1>;
 
 class JointSolver {
  public:
@@ -61,6 +64,10 @@ class JointSolver {
     }
     num_unknowns_ = column;
     group_matches();
+    if (!pairs_.empty() && options.range_scale_sigma > 0) {
+      range_scale_ = 0.0;
+      range_scale_column_ = num_unknowns_++;
+    }
   }
 
   JointResult run() {
@@ -202,8 +209,9 @@ class JointSolver {
     return sigmas;
   }
 
-  double prior_cost(const std::vector<Rigid3>& poses, const SharedValues& shared) const {
-    double cost = 0.0;
+  double prior_cost(const std::vector<Rigid3>& poses, const SharedValues& shared,
+                    const std::optional<double>& range_scale) const {
+    double cost = range_scale ? std::pow(*range_scale / options_.range_scale_sigma, 2) : 0.0;
     for (const auto& [camera, sequence] : problem_.sequences) {
       cost += (shared.at(camera) - prior_means_.at(camera)).cwiseQuotient(shared_sigmas(camera)).squaredNorm();
       Vector6d last = Vector6d::Zero();
@@ -222,14 +230,16 @@ class JointSolver {
     return cost;
   }
 
-  double evaluate_all(const std::vector<Rigid3>& poses, const SharedValues& shared) {
+  double evaluate_all(const std::vector<Rigid3>& poses, const SharedValues& shared,
+                      const std::optional<double>& range_scale) {
     for (auto& [camera, imaging] : imaging_) imaging.set_values(shared.at(camera).tail(imaging.num_parameters()));
     parallel_for_each(poses.size(), [&](size_t i) { own_terms_[i] = own_term(i, poses[i]); });
     parallel_for_each(pairs_.size(), [&](size_t k) {
       const SharedPatches& pair = pairs_[k];
-      pair_terms_[k] = patch_term(pair, state(pair.a, poses[pair.a]), state(pair.b, poses[pair.b]), patch_noise());
+      pair_terms_[k] =
+          patch_term(pair, state(pair.a, poses[pair.a]), state(pair.b, poses[pair.b]), range_scale, patch_noise());
     });
-    double cost = prior_cost(poses, shared);
+    double cost = prior_cost(poses, shared, range_scale);
     for (const EvidenceTerm& term : own_terms_) cost += term.cost;
     for (const EvidenceTerm& term : pair_terms_) cost += term.cost;
     return cost;
@@ -258,6 +268,7 @@ class JointSolver {
     append_pose_columns(pair.b, &columns);
     append_imaging_columns(pair.a, &columns);
     append_imaging_columns(pair.b, &columns);
+    if (range_scale_) columns.push_back(range_scale_column_);
     return columns;
   }
 
@@ -277,6 +288,10 @@ class JointSolver {
       equations_.add(pair_columns(pairs_[k]), pair_terms_[k].h, pair_terms_[k].g);
     }
     for (const auto& [camera, sequence] : problem_.sequences) assemble_sequence(camera, sequence);
+    if (range_scale_) {
+      equations_.add_diagonal(range_scale_column_, Vector1d(std::pow(options_.range_scale_sigma, -2)),
+                              Vector1d(*range_scale_));
+    }
   }
 
   void assemble_sequence(uint32_t camera, const std::vector<std::pair<double, size_t>>& sequence) {
@@ -305,7 +320,7 @@ class JointSolver {
 
   // Levenberg-Marquardt with weights of the robust loss fixed in each step.
   void minimise() {
-    double cost = evaluate_all(poses_, shared_);
+    double cost = evaluate_all(poses_, shared_, range_scale_);
     double damping = 1e-6;
     for (int step = 0; step < kMaxSteps; ++step) {
       assemble();
@@ -316,16 +331,19 @@ class JointSolver {
         poses[i] = perturb_camera(poses[i], x.segment<6>(static_cast<Eigen::Index>(6 * i)));
       }
       for (auto& [camera, value] : shared) value += x.segment(shared_column_.at(camera), value.size());
-      const double new_cost = evaluate_all(poses, shared);
+      std::optional<double> range_scale = range_scale_;
+      if (range_scale) *range_scale += x(range_scale_column_);
+      const double new_cost = evaluate_all(poses, shared, range_scale);
       if (!(new_cost < cost)) {
         damping = std::max(1e-4, 10.0 * damping);
-        cost = evaluate_all(poses_, shared_);
+        cost = evaluate_all(poses_, shared_, range_scale_);
         if (damping > 1e4) break;
         continue;
       }
       const bool converged = cost - new_cost < 1e-4 * (1.0 + cost) * 1e-2;
       poses_ = std::move(poses);
       shared_ = std::move(shared);
+      range_scale_ = range_scale;
       cost = new_cost;
       damping = std::max(1e-9, 0.1 * damping);
       if (converged) break;
@@ -333,7 +351,7 @@ class JointSolver {
   }
 
   SelectedInverse inverse_information() {
-    evaluate_all(poses_, shared_);
+    evaluate_all(poses_, shared_, range_scale_);
     assemble();
     return equations_.inverse();
   }
@@ -453,6 +471,7 @@ class JointSolver {
       result.shared[camera] = shared_errors(camera, inverse, static_cast<int>(sequence.size()));
       result.cameras.emplace(camera, imaging_.at(camera).camera());
     }
+    result.range_scale = range_scale_.value_or(0.0);
     return result;
   }
 
@@ -475,6 +494,11 @@ class JointSolver {
       errors.intrinsics.push_back({value(k) - prior_means_.at(camera)(k), sigmas(k)});
     }
     errors.undetermined = undetermined_parameters(imaging, sigmas.cwiseQuotient(shared_sigmas(camera)));
+    if (range_scale_) {
+      const double sigma = std::sqrt(inverse.at(range_scale_column_, range_scale_column_));
+      errors.range_scale = Estimate{*range_scale_, sigma};
+      if (sigma > kUndetermined * options_.range_scale_sigma) errors.undetermined.emplace_back("range scale");
+    }
     return errors;
   }
 
@@ -496,7 +520,9 @@ class JointSolver {
   std::vector<SharedPatches> pairs_;
   std::vector<EvidenceTerm> pair_terms_;
   double patch_loss_scale_ = 1.0;
-  PoseDrift drift_;  // gaps in units of each camera's typical one
+  PoseDrift drift_;                    // gaps in units of each camera's typical one
+  std::optional<double> range_scale_;  // nothing where it is not solved for
+  int range_scale_column_ = -1;
   int num_unknowns_ = 0;
   NormalEquations equations_;
 };
@@ -507,6 +533,7 @@ void JointOptions::validate() const {
   check_option(rounds >= 1, "rounds", "[1, inf)", rounds);
   check_option(patch_sigma_px > 0, "patch_sigma_px", "(0, inf)", patch_sigma_px);
   check_option(plane_sigma_px > 0, "plane_sigma_px", "(0, inf)", plane_sigma_px);
+  check_option(range_scale_sigma >= 0, "range_scale_sigma", "[0, inf)", range_scale_sigma);
   check_option(time_offset_sigma_s > 0, "time_offset_sigma_s", "(0, inf)", time_offset_sigma_s);
   check_option(covariance_inflation >= 1, "covariance_inflation", "[1, inf)", covariance_inflation);
   imaging.validate();

@@ -24,6 +24,9 @@ struct JointOptions {
   /// plane in a pair of images have in common (error of the plane), pixels. (0, inf)
   double patch_sigma_px = 0.3;
   double plane_sigma_px = 0.3;
+  /// Standard deviation of the range scale: by which share of its range the surface that patches lie on is farther than
+  /// the map has it (a LiDAR whose ranges are too long, or a trajectory too short). 0 holds it at zero. [0, inf)
+  double range_scale_sigma = 0.003;
   /// Standard deviation of the time offset, seconds. (0, inf)
   double time_offset_sigma_s = 0.05;
   /// Poses are less certain by about this factor on their covariance than independent matches would make them: matches
@@ -37,6 +40,8 @@ struct JointOptions {
     visitor("rounds", rounds, "Rounds of matching edges in the joint solve.");
     visitor("patch_sigma_px", patch_sigma_px, "Standard deviation of a patch's place in another image, pixels.");
     visitor("plane_sigma_px", plane_sigma_px, "What all patches of a plane have in common, pixels.");
+    visitor("range_scale_sigma", range_scale_sigma,
+            "Standard deviation of the share by which the map's ranges are wrong; 0 = not solved for.");
     visitor("time_offset_sigma_s", time_offset_sigma_s, "Standard deviation of the time offset, seconds.");
     visitor("covariance_inflation", covariance_inflation,
             "Factor on covariances, for errors that matches have in common.");
@@ -96,7 +101,7 @@ struct Estimate {
   double sigma = 0.0;
 };
 
-/// What the coarse poses of all images of one camera have wrong in common.
+/// What the images of one camera have wrong in common: their coarse poses, how they are taken, and the map they see.
 struct SharedErrors {
   int num_images = 0;
   /// To be added to the stamps of the images, seconds.
@@ -109,6 +114,9 @@ struct SharedErrors {
   std::optional<Estimate> readout;
   /// Changes of the given ones, in the order of Camera::params(); empty where they are not solved for.
   std::vector<Estimate> intrinsics;
+  /// By which share of its range the surface is farther than the map has it, the same for all cameras; nothing where it
+  /// is not solved for or no patches tell.
+  std::optional<Estimate> range_scale;
   /// Names of the parameters above of which the data say little: they keep about their prior.
   std::vector<std::string> undetermined;
 };
@@ -117,6 +125,7 @@ struct JointResult {
   std::vector<JointPose> poses;
   std::map<uint32_t, SharedErrors> shared;  // by camera
   std::map<uint32_t, Camera> cameras;       // with the intrinsics found
+  double range_scale = 0.0;                 // surface_match_residual.h
 };
 
 /// Solves all images together. The correction c_i of a coarse pose (perturbation, geometry/rigid3.h) is
@@ -129,9 +138,10 @@ struct JointResult {
 /// found in other images (surface_match_residual.h), those where the pattern of LiDAR intensities is found
 /// (cloud/intensity_match.h), and the priors of e, t and of the drift (drift_model.h). How large
 /// and how smooth that is follows from the data (expectation maximisation), so that errors that are independent from
-/// image to image are found to be so. On demand the readout time of a rolling shutter and the intrinsics are unknowns
-/// of each camera as well (imaging.h). What an image's own edges do not prove of its pose (unproven_directions.h) is
-/// left to the others. Sparse: cost linear in images.
+/// image to image are found to be so. Where patches tell, the scale of the map's ranges is an unknown of all images: a
+/// half per cent of it would else pull a long row of images apart. On demand the readout time of a rolling shutter and
+/// the intrinsics are unknowns of each camera as well (imaging.h). What an image's own edges do not prove of its pose
+/// (unproven_directions.h) is left to the others. Sparse: cost linear in images.
 JointResult solve_joint(const JointProblem& problem, const Vector6d& prior_sigmas, const JointEdgeOptions& edges,
                         const JointOptions& options);
 

@@ -142,6 +142,51 @@ TEST(SolveJointSurfaces, OneImageThatKnowsItsPosePlacesTheOthers) {
   EXPECT_LT(photos.shift_px(0, result.poses[0].from_others.camera_from_map), 1.0);
 }
 
+// The map has its surface nearer than the images show it, along the rays of the image that a patch is from.
+TEST(SolveJointSurfaces, TheScaleOfTheMapsRangesIsFound) {
+  for (const double scale : {0.0, 0.006, -0.006}) {
+    SCOPED_TRACE(scale);
+    Photographs photos(disturbed_views(0.3, 0.03, 4));
+    photos.draw_surface_matches({0.1, 0.0});
+    for (size_t i = 0; i < 4; ++i) {
+      photos.problem.images[i].observed =
+          PoseObservation{photos.truth[i], Matrix6d((0.01 * kPrior).cwiseAbs2().cwiseInverse().asDiagonal())};
+    }
+    for (SurfaceMatch& m : photos.problem.matches) {
+      const Eigen::Vector3d center = camera_center(photos.truth[m.image_a]);
+      m.point_in_map = center + (m.point_in_map - center) / (1.0 + scale);
+    }
+    const JointResult result = photos.solve();
+    const auto& found = result.shared.at(1).range_scale;
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->value, scale, 0.0015);
+    EXPECT_EQ(found->value, result.range_scale);
+    EXPECT_LT(std::abs(found->value - scale), 2 * found->sigma);
+    EXPECT_LT(found->sigma, 0.002);
+
+    JointOptions held;
+    held.range_scale_sigma = 0.0;
+    const JointResult without = photos.solve(held);
+    EXPECT_FALSE(without.shared.at(1).range_scale);
+    EXPECT_EQ(without.range_scale, 0.0);
+    double mean = 0.0, mean_without = 0.0;
+    for (size_t i = 0; i < 4; ++i) {
+      mean += 0.25 * photos.shift_px(i, result.poses[i].camera_from_map);
+      mean_without += 0.25 * photos.shift_px(i, without.poses[i].camera_from_map);
+    }
+    EXPECT_LT(mean, 0.15);
+    if (scale != 0.0) {
+      EXPECT_GT(mean_without, 2.0 * mean);
+    }
+  }
+}
+
+TEST(SolveJointSurfaces, WithoutPatchesThereIsNoRangeScale) {
+  Photographs photos(disturbed_views(0.3, 0.03, 4));
+  photos.draw_edges({});
+  EXPECT_FALSE(photos.solve().shared.at(1).range_scale);
+}
+
 TEST(SolveJointSurfaces, AFifthOfWrongMatchesDoesNotMatter) {
   Photographs photos(disturbed_views(0.3, 0.03, 5));
   photos.draw_surface_matches({});

@@ -20,7 +20,7 @@ double cauchy_weight(double squared, double scale) { return 1.0 / (1.0 + squared
 // Rows on the stack.
 using SpotRows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 6 + kMaxParameters>;
 using EdgeRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 6 + kMaxParameters>;
-using PatchRows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 12 + 2 * kMaxParameters>;
+using PatchRows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 13 + 2 * kMaxParameters>;
 
 // Derivative of the pixel of a point (camera frame) by an intrinsic.
 Eigen::Vector2d by_intrinsic(const Imaging& imaging, int k, const Eigen::Vector3d& x_in_camera) {
@@ -31,7 +31,7 @@ Eigen::Vector2d by_intrinsic(const Imaging& imaging, int k, const Eigen::Vector3
 
 // Derivatives of the residual by the parameters of the Imaging of a (which = 0) or b.
 void add_imaging_derivatives(const SurfaceMatch& match, const SurfaceMatchResidual& r, const ImageState& a,
-                             const ImageState& b, int which, Eigen::Index column, PatchRows* rows) {
+                             const ImageState& b, double range_scale, int which, Eigen::Index column, PatchRows* rows) {
   const ImageState& image = which == 0 ? a : b;
   const Imaging& imaging = *image.imaging;
   if (imaging.has_readout()) {
@@ -42,7 +42,7 @@ void add_imaging_derivatives(const SurfaceMatch& match, const SurfaceMatchResidu
   for (int k = 0; k < imaging.num_intrinsics(); ++k) {
     const auto residual_with = [&](const Camera& camera) {
       return surface_match_residual(match, which == 0 ? camera : a.imaging->camera(), a.pose(),
-                                    which == 0 ? b.imaging->camera() : camera, b.pose());
+                                    which == 0 ? b.imaging->camera() : camera, b.pose(), range_scale);
     };
     const auto low = residual_with(imaging.neighbors(k)[0]);
     const auto high = residual_with(imaging.neighbors(k)[1]);
@@ -123,14 +123,15 @@ void add_intensity_matches(const std::vector<IntensityMatch>& matches, const Ima
 }
 
 EvidenceTerm patch_term(const SharedPatches& patches, const ImageState& a, const ImageState& b,
-                        const PatchNoise& noise) {
+                        const std::optional<double>& range_scale, const PatchNoise& noise) {
   const int parameters_of_a = a.imaging->num_parameters();
-  const int size = 12 + parameters_of_a + b.imaging->num_parameters();
+  const int size = 12 + parameters_of_a + b.imaging->num_parameters() + (range_scale ? 1 : 0);
+  const double scale = range_scale.value_or(0.0);
   EvidenceTerm term(size);
   PatchRows j(2, size);
   for (size_t k = 0; k < patches.matches.size(); ++k) {
     const SurfaceMatch& match = *patches.matches[k];
-    const auto r = surface_match_residual(match, a.imaging->camera(), a.pose(), b.imaging->camera(), b.pose());
+    const auto r = surface_match_residual(match, a.imaging->camera(), a.pose(), b.imaging->camera(), b.pose(), scale);
     if (!r) continue;
     const Eigen::Vector2d by_range = match.range_sigma_m * r->by_range;
     const Eigen::Matrix2d information =
@@ -139,8 +140,9 @@ EvidenceTerm patch_term(const SharedPatches& patches, const ImageState& a, const
     const Eigen::Matrix2d w = patches.weights[k] * cauchy_weight(squared, noise.loss_scale) * information;
     j.leftCols<6>() = r->by_a;
     j.middleCols<6>(6) = r->by_b;
-    add_imaging_derivatives(match, *r, a, b, 0, 12, &j);
-    add_imaging_derivatives(match, *r, a, b, 1, 12 + parameters_of_a, &j);
+    add_imaging_derivatives(match, *r, a, b, scale, 0, 12, &j);
+    add_imaging_derivatives(match, *r, a, b, scale, 1, 12 + parameters_of_a, &j);
+    if (range_scale) j.col(size - 1) = r->by_range_scale;
     term.h.noalias() += j.transpose().lazyProduct((w * j).eval());
     term.g.noalias() += j.transpose().lazyProduct((w * r->residual).eval());
     term.cost += patches.weights[k] * cauchy_cost(squared, noise.loss_scale);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "cpplus/cloud/intensity_match.h"
@@ -64,8 +65,9 @@ struct PatchNoise {
 };
 
 /// Distances of patches from where they are expected in the other image, with Cauchy's loss. Unknowns: the
-/// perturbations of both poses, then the parameters of the Imaging of a, then of b (also where they are one camera).
+/// perturbations of both poses, then the parameters of the Imaging of a, then of b (also where they are one camera),
+/// then the range scale (surface_match_residual.h), if there is one.
 EvidenceTerm patch_term(const SharedPatches& patches, const ImageState& a, const ImageState& b,
-                        const PatchNoise& noise);
+                        const std::optional<double>& range_scale, const PatchNoise& noise);
 
 }  // namespace cpplus

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "cpplus/geometry/image_displacement.h"
 #include "cpplus/refine/degeneracy.h"
 #include "cpplus/refine/pose_solver.h"
 
@@ -165,18 +166,8 @@ class JointJudge {
     return count == 0 ? std::numeric_limits<double>::infinity() : sum / count;
   }
 
-  // Mean over that surface of its way in the image from the coarse pose; 0 where neither pose shows any.
   double shift_from_coarse(const Rigid3& camera_from_map) const {
-    double sum = 0.0;
-    int count = 0;
-    for (const Eigen::Vector3d& x : candidate_.surface_in_map) {
-      const auto coarse = camera_.project(candidate_.coarse_camera_from_map * x);
-      const auto pixel = camera_.project(camera_from_map * x);
-      if (!coarse || !pixel) continue;
-      sum += (*pixel - *coarse).norm();
-      ++count;
-    }
-    return count == 0 ? 0.0 : sum / count;
+    return mean_displacement_px(camera_, candidate_.surface_in_map, candidate_.coarse_camera_from_map, camera_from_map);
   }
 
   const Camera& camera_;

@@ -77,6 +77,16 @@ TEST(SurfaceMatchResidual, ByHand) {
   EXPECT_NEAR(r->by_a(0, 5), -50.0, 1e-9);
 }
 
+TEST(SurfaceMatchResidual, RangesMayBeTooShortByHand) {
+  const Camera camera(CameraModel::kPinhole, 640, 480, {400, 400, 320, 240});
+  // A quarter farther along the ray of a: (0.625, 0, 2.5), which b sees at x = -0.375, 60 px left of its middle.
+  const auto r = surface_match_residual(match_by_hand(), camera, Rigid3(), camera, right_by(1.0), 0.25);
+  ASSERT_TRUE(r);
+  EXPECT_NEAR(r->residual.x(), 43.0, 1e-9);
+  // The ray of a point 1 m to the left, seen from b: 160 px a metre across it.
+  EXPECT_NEAR(r->by_a(0, 3), 160.0, 1e-9);
+}
+
 TEST(SurfaceMatchResidual, IsZeroAtTheTruePoses) {
   for (const auto& [name, camera] : cameras()) {
     SCOPED_TRACE(name);
@@ -96,14 +106,15 @@ TEST(SurfaceMatchResidual, TheJacobiansAreThoseOfDifferences) {
     SCOPED_TRACE(name);
     for (SurfaceMatch match : true_matches(camera)) {
       match.pixel_b += Eigen::Vector2d(4, -7);
-      const auto r = surface_match_residual(match, camera, pose_a(), camera, pose_b());
+      constexpr double kScale = 0.02;
+      const auto r = surface_match_residual(match, camera, pose_a(), camera, pose_b(), kScale);
       ASSERT_TRUE(r);
       for (int k = 0; k < 6; ++k) {
         const Vector6d step = kStep * Vector6d::Unit(k);
         const auto difference = [&](double a, double b) {
           const auto moved = [&](double sign) {
             return surface_match_residual(match, camera, perturb_camera(pose_a(), sign * a * step), camera,
-                                          perturb_camera(pose_b(), sign * b * step))
+                                          perturb_camera(pose_b(), sign * b * step), kScale)
                 ->residual;
           };
           return Eigen::Vector2d((moved(1) - moved(-1)) / (2 * kStep));
@@ -111,6 +122,11 @@ TEST(SurfaceMatchResidual, TheJacobiansAreThoseOfDifferences) {
         EXPECT_LT((difference(1, 0) - r->by_a.col(k)).norm(), 1e-3 * (1.0 + r->by_a.col(k).norm())) << "a " << k;
         EXPECT_LT((difference(0, 1) - r->by_b.col(k)).norm(), 1e-3 * (1.0 + r->by_b.col(k).norm())) << "b " << k;
       }
+      const auto scaled = [&](double scale) {
+        return surface_match_residual(match, camera, pose_a(), camera, pose_b(), scale)->residual;
+      };
+      const Eigen::Vector2d by_scale = (scaled(kScale + kStep) - scaled(kScale - kStep)) / (2 * kStep);
+      EXPECT_LT((by_scale - r->by_range_scale).norm(), 1e-3 * (1.0 + by_scale.norm()));
     }
   }
 }

@@ -41,6 +41,17 @@ Json patch_residual_json(const PatchResidual& residual) {
           {"after_median_px", number(residual.after_median_px)}};
 }
 
+Json milliseconds_json(const ImageReport& image) {
+  Json json = Json::object();
+  double total = 0.0;
+  for (const auto& [stage, milliseconds] : image.milliseconds) {
+    json[stage] = json.value(stage, 0.0) + milliseconds;
+    total += milliseconds;
+  }
+  json["total"] = number(total);
+  return json;
+}
+
 Json image_json(const ImageReport& image) {
   const RefinePoseResult& r = image.refine;
   Json json;
@@ -57,13 +68,7 @@ Json image_json(const ImageReport& image) {
   json["matched_edges"] = r.num_edges;
   json["iterations"] = r.iterations;
   json["sharpness"] = number(image.sharpness);
-  json["milliseconds"] = Json::object();
-  double total = 0.0;
-  for (const auto& [stage, milliseconds] : image.milliseconds) {
-    json["milliseconds"][stage] = number(milliseconds);
-    total += milliseconds;
-  }
-  json["milliseconds"]["total"] = number(total);
+  json["milliseconds"] = milliseconds_json(image);
   json["covariance"] = matrix_json(r.covariance);
   json["eigenvalues"] = matrix_json(Eigen::Matrix<double, 1, 6>(r.information_eigenvalues.transpose()))[0];
   json["weak_directions"] = r.weak_directions;
@@ -89,6 +94,10 @@ Json shared_json(const SharedErrors& shared) {
   if (shared.readout) {
     json["readout_s"] = number(shared.readout->value);
     json["readout_sigma_s"] = number(shared.readout->sigma);
+  }
+  if (shared.range_scale) {
+    json["range_scale"] = number(shared.range_scale->value);
+    json["range_scale_sigma"] = number(shared.range_scale->sigma);
   }
   for (const Estimate& parameter : shared.intrinsics) {
     json["intrinsics_changes"].push_back(number(parameter.value));

@@ -37,7 +37,7 @@ struct ImageReport {
   PatchResidual intensities;
   std::optional<NidResult> nid;  // of that baseline alone
   double sharpness = 0.0;
-  std::vector<std::pair<std::string, double>> milliseconds;  // a stage each, in order
+  std::vector<std::pair<std::string, double>> milliseconds;  // in order; a stage that was gone through twice has two
 };
 
 struct MapReport {

@@ -75,6 +75,23 @@ TEST(RefineReport, HoldsTheFiguresUnderTheirNames) {
   EXPECT_EQ(image["intensities"]["after_median_px"], 0.5);
 }
 
+TEST(RefineReport, TimesOfAStageThatWasGoneThroughTwiceAreOne) {
+  ImageReport image;
+  image.milliseconds = {{"decode", 3.0}, {"joint_view", 2.0}, {"joint_view", 4.5}};
+  const auto json = nlohmann::json::parse(refine_report_json({}, {}, {}, {image}, {}));
+  EXPECT_EQ(json["images"][0]["milliseconds"], (nlohmann::json{{"decode", 3.0}, {"joint_view", 6.5}, {"total", 9.5}}));
+}
+
+TEST(RefineReport, TheRangeScaleIsThereWhereItWasSolvedFor) {
+  std::map<uint32_t, SharedErrors> shared;
+  shared[3].range_scale = Estimate{-0.006, 0.001};
+  shared[4] = SharedErrors();
+  const auto json = nlohmann::json::parse(refine_report_json({}, {}, shared, {}, {}));
+  EXPECT_EQ(json["shared"]["3"]["range_scale"], -0.006);
+  EXPECT_EQ(json["shared"]["3"]["range_scale_sigma"], 0.001);
+  EXPECT_FALSE(json["shared"]["4"].contains("range_scale"));
+}
+
 TEST(RefineReport, NumbersThatDoNotExistAreNull) {
   ImageReport image = image_report();
   image.refine.after.median_px = std::numeric_limits<double>::quiet_NaN();
