@@ -36,6 +36,8 @@ constexpr double kMapSigmaM = 0.004;
 // protrudes from a plane or lies behind it is drawn as the plane, too.
 constexpr double kOnPlaneM = 0.015;
 constexpr double kOnPlaneRatio = 0.003;
+// Fewest of them whose median says where the plane is.
+constexpr size_t kMinPoints = 12;
 
 double margin_at(double range_m) { return kMarginM + kMarginRatio * range_m; }
 
@@ -138,19 +140,38 @@ std::optional<PatchSurface> tangent_under(const PlaneBuffer& planes, const SeenS
   return surface;
 }
 
-// Whether the points in view lie on the plane, which the pixel's ray meets at that range; where there are none, the
-// surface drawn around them must.
-bool lies_on(const MapPlane& plane, double range_m, const PlaneBuffer& planes, const SeenSquare& square,
-             const RangeRaster& raster, const Eigen::Vector2d& pixel) {
+// By how much the points in view lie behind a plane along their rays: their median, nothing where that is too much for
+// them to be the plane's. Of few points it says little; where there are none, the surface drawn around them must lie on
+// the plane, which the pixel's ray meets at range_m.
+std::optional<double> distance_behind(const MapPlane& plane, double range_m, const PlaneBuffer& planes,
+                                      const SeenSquare& square, const RangeRaster& raster,
+                                      const Eigen::Vector2d& pixel) {
   std::vector<double> behind;
   for (const SeenPoint& p : square.points) behind.push_back(p.range - planes.range_along(plane, p.bearing));
-  if (!behind.empty()) {
-    const auto middle = behind.begin() + static_cast<std::ptrdiff_t>(behind.size() / 2);
-    std::nth_element(behind.begin(), middle, behind.end());
-    return std::abs(*middle) <= kOnPlaneM + kOnPlaneRatio * range_m;
+  if (behind.empty()) {
+    const double nearest = static_cast<double>(raster.range_at(raster.cell_of(pixel.cast<float>())));
+    return nearest < range_m + margin_at(range_m) ? std::optional(0.0) : std::nullopt;
   }
-  const double nearest = static_cast<double>(raster.range_at(raster.cell_of(pixel.cast<float>())));
-  return nearest <= 0.0 || nearest < range_m + margin_at(range_m);
+  const auto middle = behind.begin() + static_cast<std::ptrdiff_t>(behind.size() / 2);
+  std::nth_element(behind.begin(), middle, behind.end());
+  if (std::abs(*middle) > kOnPlaneM + kOnPlaneRatio * range_m) return std::nullopt;
+  return behind.size() < kMinPoints ? 0.0 : *middle;
+}
+
+// The plane where the points in view have it, if these are its own.
+std::optional<PatchSurface> plane_under(const PlaneBuffer& planes, int32_t id, const SeenSquare& square,
+                                        const RangeRaster& raster, const Eigen::Vector2d& pixel) {
+  PatchSurface surface;
+  surface.plane_id = id;
+  surface.plane = (*planes.planes)[static_cast<size_t>(id)];
+  surface.range_sigma_m = kMapSigmaM;
+  const double range = planes.range_of(surface.plane, pixel);
+  if (!is_seen(raster, pixel, range)) return std::nullopt;
+  const auto behind = distance_behind(surface.plane, range, planes, square, raster, pixel);
+  const auto bearing = planes.camera.unproject(pixel);
+  if (!behind || !bearing) return std::nullopt;
+  surface.plane.centroid += *behind * (planes.camera_from_map.rotation.conjugate() * *bearing);
+  return surface;
 }
 
 }  // namespace
@@ -165,12 +186,8 @@ std::optional<PatchSurface> surface_under(const PlaneBuffer& planes, const Range
   const SeenSquare square = points_around(planes.camera, raster, pixel, radius_px);
   const int32_t id = one_plane(planes, pixel, radius_px);
   if (id != PlaneBuffer::kNone) {
-    PatchSurface surface;
-    surface.plane_id = id;
-    surface.plane = (*planes.planes)[static_cast<size_t>(id)];
-    surface.range_sigma_m = kMapSigmaM;
-    const double range = planes.range_of(surface.plane, pixel);
-    if (is_seen(raster, pixel, range) && lies_on(surface.plane, range, planes, square, raster, pixel)) return surface;
+    const auto surface = plane_under(planes, id, square, raster, pixel);
+    if (surface) return surface;
   }
   return tangent_under(planes, square, raster.points.noise_m, pixel);
 }

@@ -18,10 +18,10 @@ struct PatchSurface {
 };
 
 /// The one plane instance under the square of half edge radius_px around a pixel if there is one, the raster shows
-/// nothing in front of it and its points lie on it; else the tangent plane through the raster's points there, of ranges
-/// r by least squares in 1 / r = n . bearing, which is linear for every camera model. Nothing where a fifth of the
-/// cells show something else, their means lie off that plane by more than a few centimetres, or less than most of them
-/// show a surface.
+/// nothing in front of it and its points lie on it within centimetres: in its direction, where these points have it;
+/// else the tangent plane through the raster's points there, of ranges r by least squares in 1 / r = n . bearing, which
+/// is linear for every camera model. Nothing where a fifth of the cells show something else, their means lie off that
+/// plane by more than a few centimetres, or less than most of them show a surface.
 std::optional<PatchSurface> surface_under(const PlaneBuffer& planes, const RangeRaster& raster,
                                           const Eigen::Vector2d& pixel, double radius_px);
 

@@ -149,6 +149,19 @@ TEST(SurfaceUnder, APlaneOfTheMapIsPreferredToItsPoints) {
   EXPECT_EQ(surface->plane_id, 0);
 }
 
+TEST(SurfaceUnder, APlaneIsWhereItsPointsInViewHaveIt) {
+  for (const double behind_m : {-0.012, 0.0, 0.012}) {
+    View view([&](const Eigen::Vector3d& b) { return range_of_plane(kSlanted, 3.0, b) + behind_m; }, 0.01);
+    view.add_plane(kSlanted, 3.0);
+    const auto surface = view.surface();
+    ASSERT_TRUE(surface);
+    EXPECT_EQ(surface->plane_id, 0);
+    EXPECT_EQ(surface->plane.normal, kSlanted);
+    const double range = range_of_plane(kSlanted, 3.0, *view.camera.unproject(kPixel));
+    EXPECT_NEAR(view.buffer.range_of(surface->plane, kPixel), range + behind_m, 0.002);
+  }
+}
+
 TEST(SurfaceUnder, WhatStandsInFrontOfThePlaneIsSeenInstead) {
   View view([](const Eigen::Vector3d& b) { return range_of_plane(kSlanted, 2.5, b); });
   view.add_plane(kSlanted, 3.0);

@@ -20,10 +20,11 @@ constexpr size_t kNearestImages = 12;
 constexpr size_t kMaxPartners = 4;
 // Least share of an image's patches that a partner should see.
 constexpr double kMinOverlap = 0.15;
-// Edges and patches are looked at once more from where the images were found, while more than this share of them moved
-// by so much: from there they see another surface.
+// What is looked at from elsewhere by more than half a patch's surface is another surface: while more than a share of
+// the images turned out to be that far from where they were looked at, all are looked at once more. Not sooner: where
+// little is known of a direction, each look goes a little along it.
 constexpr int kMaxLooks = 3;
-constexpr double kFarPx = 4.0;
+constexpr double kFarPx = 10.0;
 constexpr double kMaxShareFar = 0.1;
 // A patch fits when it lies this near to where the poses put it.
 constexpr double kMaxPatchResidualPx = 1.5;
