@@ -80,16 +80,14 @@ class JointRefiner {
 
   JointResult run() {
     JointProblem problem = make_problem(input_);
+    for (const size_t i : participants_) problem.images[i].edges = &views_[i].edges;
     std::vector<std::vector<SurfaceMatch>> matches;
     JointResult result;
     for (int look = 0; look < kMaxLooks; ++look) {
       matches = look_at_images();
       problem.matches.clear();
       for (const auto& some : matches) problem.matches.insert(problem.matches.end(), some.begin(), some.end());
-      for (const size_t i : participants_) {
-        problem.images[i].camera_from_map = start_[i];
-        problem.images[i].edges = &views_[i].edges;
-      }
+      for (const size_t i : participants_) problem.images[i].camera_from_map = start_[i];
       result = solve(problem);
       if (!moved_far(result)) break;
       for (const size_t i : participants_) start_[i] = result.poses[i].camera_from_map;

@@ -16,8 +16,8 @@
 namespace cpplus {
 namespace {
 
-// Within how much of the nearest points a surface lies, in standard deviations of the map's noise.
-constexpr double kSurfaceDepthNoises = 6.0;
+// Points lie on the plane that is seen there within so many standard deviations of the map's noise.
+constexpr double kOnPlaneNoises = 6.0;
 // How far from their place as seen from a nearly right pose the image edges of a sample are kept.
 constexpr double kCandidateRadiusPx = 40.0;
 // Points of the seen surface along the longer side of the image.
@@ -208,7 +208,7 @@ JointView prepare_joint_view(const MapFeatures& features, const Camera& camera, 
   const PlaneBuffer planes = hiding_planes(features, camera, camera_from_map, options);
   PointsInView points = points_in_view(features.map, features.leaf_spacing, planes, options.silhouettes.max_distance_m,
                                        options.silhouettes.cell_px);
-  add_points_by_cell(features.planes.noise_m, &points);
+  if (options.patches.enabled) add_points_by_cell(features.planes.noise_m, &points);
   EdgesInView seen =
       edges_in_view(features, planes, find_silhouettes(points, camera, camera_from_map, options.silhouettes), options);
   if (!options.local) drop_hidden_samples(points.raster, camera, camera_from_map, options.samples, &seen.samples);
@@ -228,7 +228,7 @@ std::vector<IntensityMatch> find_intensities_in_view(const MapFeatures& features
   std::vector<IntensityPoint> points;
   for (const PointInView& seen :
        points_on_seen_planes(features.map, features.leaf_spacing, planes, options.visibility.max_distance_m,
-                             kSurfaceDepthNoises * features.planes.noise_m)) {
+                             kOnPlaneNoises * features.planes.noise_m)) {
     const float intensity = features.intensities[seen.index];
     if (std::isfinite(intensity)) points.push_back({seen.pixel, features.map.point(seen.index), intensity});
   }
